@@ -9,9 +9,10 @@
 
 namespace waystone {
 
-// Adds the map's entry of the coarse index (localizer/coarse/coarse_entry.h) to the store, under
-// its hash as map files are. Nothing for a map whose places have no features that could be found:
-// searches of all maps don't propose it. Throws as Store::Put does.
+// Puts the map's entry of the coarse index (localizer/coarse/coarse_entry.h) into the store, under
+// its hash like a map file. Nothing for a map whose places have no features to be found by:
+// searches of all maps don't propose it. Throws MapError as Store::Put does, and kFileUnwritable
+// without room for a temporary file. Thread-safe.
 std::optional<CoarseFile> PutCoarseEntry(const Store& store, const MapIndex& index);
 
 }  // namespace waystone

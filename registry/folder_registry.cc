@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormatName = "waystone-registry";
 constexpr const char* kExtension = ".json";
-// Who holds the lock writes two small files.
+// Whoever holds the lock writes two small files.
 constexpr double kLockPatienceS = 30;
 constexpr std::chrono::milliseconds kLockPause{10};
 // A manifest has some kilobytes.
@@ -93,7 +93,7 @@ void WriteText(const fs::path& path, const std::string& text, bool overwrite) {
   file.Commit();
 }
 
-// What tells one content of a file or folder from another without reading it.
+// Distinguishes one content of a file or folder from another without reading it.
 struct EntryStamp {
   int64_t changed_ns = -1;  // -1 for nothing there
   uint64_t inode = 0;
@@ -108,7 +108,7 @@ EntryStamp StampOf(const fs::path& path) {
   return {status.st_mtim.tv_sec * kNsPerS + status.st_mtim.tv_nsec, status.st_ino, status.st_size};
 }
 
-// Names of the files of a folder that are ours: not those that are being written.
+// Names of the files of a folder that are ours, but for those that are still being written.
 std::vector<std::string> ManifestNames(const fs::path& folder) {
   std::vector<std::string> names;
   try {
@@ -138,7 +138,7 @@ class FolderRegistry : public Registry {
   MapVersion Publish(const MapVersion& version) override {
     CheckMapName(version.name);
     const RegistryLock lock(folder_);
-    const std::optional<MapState> state = FindState(version.name);
+    const std::optional<MapState> state = SoundState(version.name);
     if (state && IsPublished(*state, version)) return state->version;
     MapVersion next = version;
     const std::vector<int> numbers = Numbers(version.name);
@@ -160,24 +160,30 @@ class FolderRegistry : public Registry {
   }
 
   MapVersion Rollback(const std::string& name, std::optional<int> number) override {
+    CheckMapName(name);
     const RegistryLock lock(folder_);
-    const MapState state = StateOf(name);
+    if (!HasState(name)) throw NoMapError(name);
+    MapState state;
+    state.version.name = name;
+    if (!number) state = ReadState(name);  // a given version replaces a damaged state, too
     const MapVersion version = ReadVersion(name, RollbackNumber(state, Numbers(name), number));
     WriteState({version, false});
     return version;
   }
 
   void Retire(const std::string& name) override {
+    CheckMapName(name);
     const RegistryLock lock(folder_);
-    WriteState({StateOf(name).version, true});
+    if (!HasState(name)) throw NoMapError(name);
+    WriteState({ReadState(name).version, true});
   }
 
   RegistryNews Refresh() override {
-    // A folder that is gone, or one of another registry in its place, is no list without maps.
+    // A missing folder, or another registry in its place, isn't an empty list of maps.
     if (ReadHead().at("id") != id_) {
-      Fail(folder_, "is another registry now", "start the server anew");
+      Fail(folder_, "is a different registry now", "restart the server");
     }
-    // The stamp of a folder may be as old as a tick of the clock: what changed a moment after the
+    // The stamp of a folder may be as coarse as a tick of the clock: what changed just after the
     // last look is found by looking once more.
     const EntryStamp stamp = StampOf(folder_ / "current");
     if (stamp == stamp_ && settled_) return LookAtUnread();
@@ -222,7 +228,8 @@ class FolderRegistry : public Registry {
     if (!fs::exists(VersionsOf(name), ignored)) return numbers;
     for (const std::string& text : ManifestNames(VersionsOf(name))) {
       const std::optional<int64_t> number = ToInteger(text);
-      if (number && *number > 0) numbers.push_back(static_cast<int>(*number));
+      const bool is_version = number && *number > 0 && std::in_range<int>(*number);
+      if (is_version) numbers.push_back(static_cast<int>(*number));
     }
     std::ranges::sort(numbers);
     return numbers;
@@ -231,37 +238,46 @@ class FolderRegistry : public Registry {
   MapVersion ReadVersion(const std::string& name, int number) const {
     const fs::path path = VersionPath(name, number);
     const MapVersion version = ReadManifest(ReadText(path), path.string());
-    CheckIs(path, version, name);
+    if (version.name != name) Fail(path, "is of another map", "restore it from a backup");
     return version;
   }
 
-  static void CheckIs(const fs::path& path, const MapVersion& version, const std::string& name) {
-    if (version.name != name) Fail(path, "is of another map", "restore it from a backup");
+  bool HasState(const std::string& name) const {
+    std::error_code ignored;
+    return fs::exists(StatePath(name), ignored);
   }
 
-  MapState ReadState(const std::string& name) const {
-    const fs::path path = StatePath(name);
-    const Json json = Json::parse(ReadText(path), nullptr, false);
+  static MapState ParseState(const std::string& text, const fs::path& path,
+                             const std::string& name) {
+    constexpr const char* kRemedy =
+        "publish the map again, or make one of its versions current (waystone rollback --version)";
+    const Json json = Json::parse(text, nullptr, false);
     const bool sound =
         json.is_object() && json.contains("version") && json.value("retired", Json()).is_boolean();
-    if (!sound) Fail(path, "is not the state of a map", "publish the map again");
-    const MapState state{ReadManifest(Dump(json["version"]), path.string()),
-                         json["retired"].get<bool>()};
-    CheckIs(path, state.version, name);
+    if (!sound) Fail(path, "is not the state of a map", kRemedy);
+    MapState state{{}, json["retired"].get<bool>()};
+    try {
+      state.version = ReadManifest(Dump(json["version"]), path.string());
+    } catch (const MapError&) {
+      Fail(path, "is not the state of a map", kRemedy);
+    }
+    if (state.version.name != name) Fail(path, "is of another map", kRemedy);
     return state;
   }
 
-  std::optional<MapState> FindState(const std::string& name) const {
-    std::error_code ignored;
-    if (!fs::exists(StatePath(name), ignored)) return std::nullopt;
-    return ReadState(name);
+  MapState ReadState(const std::string& name) const {
+    return ParseState(ReadText(StatePath(name)), StatePath(name), name);
   }
 
-  MapState StateOf(const std::string& name) const {
-    CheckMapName(name);
-    std::optional<MapState> state = FindState(name);
-    if (!state) throw NoMapError(name);
-    return *std::move(state);
+  // Nothing for a damaged state, which the next one replaces. Throws for one that can't be read.
+  std::optional<MapState> SoundState(const std::string& name) const {
+    if (!HasState(name)) return std::nullopt;
+    const std::string text = ReadText(StatePath(name));
+    try {
+      return ParseState(text, StatePath(name), name);
+    } catch (const MapError&) {
+      return std::nullopt;
+    }
   }
 
   void WriteState(const MapState& state) const {
@@ -270,7 +286,7 @@ class FolderRegistry : public Registry {
     WriteText(StatePath(state.version.name), Dump(json), true);
   }
 
-  // A stamp says nothing of permissions, nor of a network that failed.
+  // A stamp says nothing about permissions, or about a network that failed.
   RegistryNews LookAtUnread() {
     RegistryNews news;
     const std::map<std::string, std::string> unread = unread_;  // Look() changes them
@@ -278,7 +294,7 @@ class FolderRegistry : public Registry {
     return news;
   }
 
-  // Reads the state of one map, if it isn't what it was or couldn't be read.
+  // Reads the state of one map if it has changed, or couldn't be read before.
   void Look(const std::string& name, RegistryNews& news) {
     const EntryStamp stamp = StampOf(StatePath(name));
     const auto [known, is_new] = known_.try_emplace(name);
@@ -298,8 +314,8 @@ class FolderRegistry : public Registry {
   fs::path folder_;
   std::string id_;
   std::string store_;
-  EntryStamp stamp_;      // of the folder of states, when it was looked at last
-  bool settled_ = false;  // that was the second look with this stamp
+  EntryStamp stamp_;      // of the folder of states, at the last look
+  bool settled_ = false;  // the last look was the second one with this stamp
   std::map<std::string, EntryStamp> known_;
   std::map<std::string, std::string> unread_;  // maps whose state couldn't be read: why
 };

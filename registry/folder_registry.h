@@ -9,13 +9,14 @@
 
 namespace waystone {
 
-// A registry in a folder, by OpenRegistry: inside registry only. The folder may be shared by
-// several machines:
+// A registry in a folder, opened by OpenRegistry. Internal to registry. Several machines may share
+// the folder:
 //   registry.json          {"format": "waystone-registry", "version", "id", "store"}
 //   current/NAME.json      {"retired", "version": the manifest}: replaced as a whole
 //   versions/NAME/N.json   the manifests: written once
-//   files/                 the store, where no other was given
-//   lock                   locked (flock) by who changes anything
+//   files/                 the store, unless another one was given
+//   lock                   locked (flock) by whoever changes anything
+// Throws as OpenRegistry does.
 std::unique_ptr<Registry> OpenFolderRegistry(const std::filesystem::path& folder,
                                              const std::optional<NewRegistry>& create);
 

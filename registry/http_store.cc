@@ -18,10 +18,10 @@ namespace waystone {
 namespace {
 
 constexpr int kConnectS = 3;
-// How long the store may send nothing: not long, because a server that ends waits for it, and what
-// is interrupted goes on later.
+// How long the store may send nothing: not long, because a server that stops waits for it, and an
+// interrupted copy resumes later.
 constexpr int kSilentS = 4;
-constexpr int kPutS = 60;  // and how long it may take to keep a file
+constexpr int kPutS = 60;  // the same while it stores a file
 constexpr size_t kSentBlockBytes = 1 << 18;
 
 constexpr int kOk = 200;
@@ -78,7 +78,7 @@ class HttpStore : public Store {
     const auto result =
         client.Put(path, headers_, static_cast<size_t>(bytes), send, "application/octet-stream");
     if (!result) Fail(path, httplib::to_string(result.error()));
-    if (Has(client, path, bytes)) return;  // also where it doesn't take what it has
+    if (Has(client, path, bytes)) return;  // also if it refuses a file that it has
     if (result->status >= kServerError) Fail(path, "status " + std::to_string(result->status));
     Refuse(path, IsSuccess(result->status) ? "the store hasn't kept the file"
                                            : "status " + std::to_string(result->status));

@@ -8,7 +8,8 @@
 
 namespace waystone {
 
-// A store behind a server, by OpenStore: inside registry only.
+// A store behind a server, opened by OpenStore. Internal to registry. Throws MapError(kUsage) for
+// an address without a host or with an unusable port. Thread-safe.
 std::unique_ptr<Store> OpenHttpStore(const std::string& base);
 
 }  // namespace waystone

@@ -71,7 +71,7 @@ std::vector<JobPart> CutIntoParts(int source, int frames, int from, int every, i
   const int overlap = OverlapFrames(part_frames);
   const int step = part_frames - overlap;
   const int count = frames <= part_frames ? 1 : (frames - overlap + step - 1) / step;
-  // Frames that are new in each part, spread evenly; the first part has the overlap beside.
+  // Frames that are new in each part, spread evenly; the first part has the overlap in addition.
   const int64_t fresh = std::max(0, frames - overlap);
   std::vector<JobPart> parts;
   for (int i = 0; i < count; ++i) {

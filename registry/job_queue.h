@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -21,32 +22,33 @@ class Database;
 // Throws MapError(kUsage) for a registry that has no jobs: one in a folder.
 void CheckHasJobs(const std::string& registry);
 
-// For throwing.
+// The error (kNotFound) to throw for a job that the registry doesn't have.
 MapError NoJobError(int64_t job);
 
 // The jobs of a registry in PostgreSQL, beside its tables in the schema `waystone`:
 //   job_format    one row: the version of these tables; others are refused
-//   jobs          a row each: what is to be built, its state, and what came of it
+//   jobs          one row each: what is to be built, its state, and the result
 //   job_steps     what workers take: the plan, the parts, and joining them
 //   job_attempts  each lease of a step, with its worker and how it ended
 //   job_log       what happened, for people
 // A job is queued, running (from the first lease on), and then done, failed or cancelled. A step is
-// leased to one worker for a time that heartbeats put off; when that is over, it is given to
-// another. Whoever lost a lease can't change anything any more: each change asks, in its own
-// transaction, whether the lease is still held. All times are the database's. An object is one
-// connection, for one thread. All functions throw MapError: kRegistryUnavailable for a database
-// that can't be reached, kFileUnreadable for one that can't be used; then the object is of no use
-// any more.
+// leased to one worker for a time that heartbeats extend; when that is over, it is given to
+// another. A worker that lost its lease can't change anything any more: each change checks, in its
+// own transaction, whether the lease is still held. All times are the database's. An object is one
+// connection. Not thread-safe. All functions throw MapError: kRegistryUnavailable for a database
+// that can't be reached, kFileUnreadable for one that can't be used; the object can't be used any
+// more after either.
 class JobQueue {
  public:
   // Throws MapError(kUsage) for a registry in a folder. With `create`, tables that aren't there are
-  // made; the registry must be there. Without, a database without these tables has no jobs.
-  JobQueue(const std::string& registry, bool create);
+  // made; the registry must be there. Without, a database without these tables has no jobs. A
+  // request to stop ends the wait for a database that doesn't answer.
+  JobQueue(const std::string& registry, bool create, std::stop_token stop = {});
   ~JobQueue();
   JobQueue(const JobQueue&) = delete;
   JobQueue& operator=(const JobQueue&) = delete;
 
-  // Whether the database still answered when it was asked last.
+  // Whether the database answered when it was last asked.
   bool connected() const;
 
   // Returns the job's id.
@@ -54,25 +56,26 @@ class JobQueue {
 
   // ---- for workers
 
-  // A step that nobody has: the first one of the oldest job, or of `job` alone. A step whose worker
-  // was silent for too long counts as failed once more. `worker` is its name for people.
+  // Leases a step that nobody has for `lease_s` seconds: the first one of the oldest job, or of
+  // `job` only; nothing where there is none. A step whose lease ran out counts as failed once more.
+  // `worker` is the worker's name for people.
   std::optional<JobLease> Claim(const std::string& worker, double lease_s,
                                 std::optional<int64_t> job = std::nullopt);
-  // Puts the end of the lease off. False when it is lost: another worker has the step, or the job
-  // was ended.
+  // Extends the lease to `lease_s` seconds from now. False when it is lost: another worker has the
+  // step, or the job has ended.
   bool Renew(const JobLease& lease, double lease_s, const StepProgress& progress);
-  // The end of a step; false when the lease was lost, and then nothing is changed. Doing it again
-  // is no error, because an answer of the database may be lost.
+  // Ends a step. False when the lease was lost, and then nothing is changed. A second call is no
+  // error, because the database's answer to the first one may have been lost.
   bool FinishPlan(const JobLease& lease, const std::vector<JobPart>& parts);
   bool FinishPart(const JobLease& lease, const std::string& sha256, int64_t bytes);
-  // Publishes the version and ends the job, both or neither.
+  // Publishes the version and ends the job, both or neither; nothing when the lease was lost.
   std::optional<MapVersion> FinishJoin(const JobLease& lease, const MapVersion& version);
-  // Gives a step back that isn't done; it counts as nothing.
+  // Gives back a step that isn't done, without counting it as failed.
   bool Release(const JobLease& lease, const std::string& reason);
-  // A step that failed is tried again after `retry_s` seconds, unless it was the last attempt or
-  // there is nothing to try (no value): then the job has failed for that reason.
+  // Ends a step as failed. It is tried again after `retry_s` seconds, unless this was the last
+  // attempt or trying again is no use (no value): then the job has failed for that reason.
   bool Fail(const JobLease& lease, const std::string& reason, std::optional<double> retry_s);
-  // Of a planned job, in their order.
+  // The parts of a planned job, in order.
   std::vector<BuiltPart> Parts(int64_t job);
   void Log(const JobLease& lease, const std::string& worker, const std::string& message);
   // Jobs that are queued or running.
@@ -82,19 +85,19 @@ class JobQueue {
 
   // ---- for people
 
-  // The newest first, at most `most` (Job of clients/openapi.yaml).
+  // The jobs, newest first, at most `most` (Job of clients/openapi.yaml).
   std::vector<Json> List(int most);
-  // One with its steps, attempts and log (JobDetails of clients/openapi.yaml). Throws
+  // A job with its steps, attempts and log (JobDetails of clients/openapi.yaml). Throws
   // MapError(kNotFound).
   Json Describe(int64_t job);
   // Throws MapError: kNotFound, and kBadRequest for a job that has ended.
   void Cancel(int64_t job);
-  // Takes up a job that failed or was cancelled, with the parts that are built. Throws MapError:
-  // kNotFound, and kBadRequest for another one.
+  // Resumes a job that failed or was cancelled, with the parts that are built. Throws MapError:
+  // kNotFound, and kBadRequest for a job in another state.
   void Retry(int64_t job);
 
  private:
-  struct Held;  // what a transaction has found of a lease
+  struct Held;  // what a transaction found out about a lease
 
   bool Exists();
   void Create();

@@ -2,7 +2,6 @@
 #include "registry/map_cache.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -40,9 +39,14 @@ std::string MbText(int64_t bytes) {
 
 MapError NoRoom(const std::string& message) { return {ErrorCode::kNoRoom, message}; }
 
-MapError Stopping() { return {ErrorCode::kNotReady, "the server is shutting down"}; }
+MapError NotReady(const std::string& message) { return {ErrorCode::kNotReady, message}; }
 
-// A file of the cache by its name; nothing for what isn't one.
+MapError Stopping() { return NotReady("the server is shutting down"); }
+
+// Whether removing other files may help.
+bool IsFull(int cause) { return cause == ENOSPC || cause == EDQUOT; }
+
+// A file of the cache, by its name; nothing for other files.
 struct CachedName {
   std::string sha256;
   bool whole = false;
@@ -63,9 +67,17 @@ int64_t SizeOf(const fs::path& path) {
   return error ? 0 : static_cast<int64_t>(bytes);
 }
 
+std::string HashOfPart(const fs::path& part) {
+  try {
+    return Sha256OfFile(part);
+  } catch (const MapError& error) {  // somebody removed it
+    throw NotReady(error.what());
+  }
+}
+
 }  // namespace
 
-// A file on its way: appends what comes, and makes room where the disk is full.
+// A file being copied: appends what comes, and makes room when the disk is full.
 class MapCache::PartFile : public FileSink {
  public:
   PartFile(MapCache& cache, fs::path path, int64_t bytes)
@@ -88,7 +100,7 @@ class MapCache::PartFile : public FileSink {
       const ssize_t written = write(file_, bytes.data(), bytes.size());
       if (written > 0) {
         bytes = bytes.subspan(static_cast<size_t>(written));
-      } else if (errno == ENOSPC || errno == EDQUOT) {
+      } else if (IsFull(errno)) {
         const int cause = errno;
         const std::lock_guard lock(cache_.mutex_);
         if (!cache_.EvictOne()) Fail(cause);
@@ -105,7 +117,12 @@ class MapCache::PartFile : public FileSink {
 
  private:
   [[noreturn]] void Fail(int cause) const {
-    throw NoRoom(UnwritableError(path_, std::strerror(cause), bytes_).what());
+    const std::string why = std::strerror(cause);
+    const std::string message = UnwritableError(path_, why, bytes_).what();
+    // A bound on the size of files has no room for this one, either.
+    if (!IsFull(cause) && cause != EFBIG) throw NotReady(message);
+    throw FullDiskError(message, "the map's file can't be written: " + why + ", " + MbText(bytes_) +
+                                     " required; the server's log says more");
   }
 
   MapCache& cache_;
@@ -116,33 +133,40 @@ class MapCache::PartFile : public FileSink {
 
 MapCache::MapCache(const fs::path& folder, int64_t max_bytes)
     : folder_(folder), max_bytes_(max_bytes) {
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  if (error) throw UnwritableError(folder_, error.message(), 0);
-  const fs::path path = folder_ / "lock";
-  lock_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (lock_ < 0) throw UnwritableError(path, std::strerror(errno), 0);
-  if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    const int cause = errno;
-    close(lock_);
-    if (cause != EWOULDBLOCK) throw UnwritableError(path, std::strerror(cause), 0);
-    throw MapError(ErrorCode::kFileUnwritable,
-                   folder_.string() +
-                       " is the cache of another server that runs; give each server a folder of "
-                       "its own (--cache)");
-  }
+  const std::lock_guard lock(mutex_);
+  TakeFolder();
+}
+
+MapCache::~MapCache() = default;
+
+void MapCache::TakeFolder() {
+  lock_ = nullptr;  // first: where files have no lasting numbers, it may be the same file
+  lock_ = std::make_unique<CacheLock>(folder_);
   Scan();
 }
 
-MapCache::~MapCache() { close(lock_); }
+void MapCache::Restore() {
+  const std::lock_guard lock(mutex_);
+  RestoreFolder();
+}
 
-// The files that an earlier server left, in the order of their last use.
+void MapCache::RestoreFolder() {
+  if (lock_ && lock_->Holds()) return;
+  try {
+    TakeFolder();
+  } catch (const MapError& error) {
+    throw NotReady(error.what());
+  }
+}
+
+// Takes the files that an earlier server left, or that are left of ours, in the order of their last
+// use.
 void MapCache::Scan() {
   std::vector<std::tuple<fs::file_time_type, std::string, Entry>> found;
+  std::error_code ignored;
   for (const std::string& name : FolderEntries(folder_)) {
     const std::optional<CachedName> cached = ParseName(name);
     if (!cached) continue;
-    std::error_code ignored;
     const fs::path path = folder_ / name;
     Entry entry;
     entry.bytes = SizeOf(path);
@@ -151,17 +175,22 @@ void MapCache::Scan() {
   }
   std::ranges::sort(
       found, {}, [](const auto& file) { return std::pair(std::get<0>(file), std::get<1>(file)); });
-  for (auto& [time, sha256, entry] : found) {
-    entry.last_use = ++uses_;
-    Entry& known = entries_[sha256];
-    if (known.whole) {  // and a part that is no longer needed
-      fs::remove(PartOf(sha256));
-    } else {
-      if (entry.whole && known.bytes > 0) fs::remove(PartOf(sha256));
-      known = entry;
-    }
+  for (auto& [sha256, entry] : entries_) {
+    if (!entry.copying) entry.SetGone();
   }
-  const std::lock_guard lock(mutex_);
+  std::erase_if(entries_, [](const auto& entry) { return entry.second.IsNothing(); });
+  for (const auto& [time, sha256, entry] : found) {
+    Entry& known = entries_[sha256];
+    if (known.copying) continue;
+    if (known.whole) {  // and a part that is no longer needed
+      fs::remove(PartOf(sha256), ignored);
+      continue;
+    }
+    if (entry.whole && known.bytes > 0) fs::remove(PartOf(sha256), ignored);
+    known.bytes = entry.bytes;
+    known.whole = entry.whole;
+    known.last_use = ++uses_;
+  }
   MakeRoom("", 0);  // the bound may be smaller than it was
 }
 
@@ -179,8 +208,8 @@ bool MapCache::Stopped() const {
 
 MapCache::FilePtr MapCache::Use(const std::string& sha256, Entry& entry) {
   entry.last_use = ++uses_;
-  // For the next server: nothing else keeps the order of uses. Whoever reads the file would take a
-  // new time for a write.
+  // For the next server: nothing else records the order of uses. Not while somebody reads the file,
+  // to whom a new time would look like a write.
   if (entry.users == 0) utimensat(AT_FDCWD, PathOf(sha256).c_str(), nullptr, 0);
   FilePtr file = std::make_shared<const File>(this, sha256);
   ++entry.users;
@@ -190,14 +219,24 @@ MapCache::FilePtr MapCache::Use(const std::string& sha256, Entry& entry) {
 void MapCache::Release(const std::string& sha256) {
   const std::lock_guard lock(mutex_);
   const auto it = entries_.find(sha256);
-  if (it != entries_.end()) --it->second.users;
+  if (it == entries_.end()) return;
+  --it->second.users;
+  if (it->second.IsNothing()) entries_.erase(it);
+}
+
+// The entry of a whole file that is there; forgets one that somebody removed or truncated.
+MapCache::Entry* MapCache::WholeEntry(const std::string& sha256) {
+  const auto it = entries_.find(sha256);
+  if (it == entries_.end() || !it->second.whole) return nullptr;
+  if (SizeOf(PathOf(sha256)) == it->second.bytes) return &it->second;
+  Discard(sha256);
+  return nullptr;
 }
 
 MapCache::FilePtr MapCache::Find(const std::string& sha256) {
   const std::lock_guard lock(mutex_);
-  const auto it = entries_.find(sha256);
-  if (it == entries_.end() || !it->second.whole) return nullptr;
-  return Use(sha256, it->second);
+  Entry* entry = WholeEntry(sha256);
+  return entry ? Use(sha256, *entry) : nullptr;
 }
 
 MapCache::FilePtr MapCache::Get(const Store& store, const std::string& sha256, int64_t bytes) {
@@ -208,12 +247,11 @@ MapCache::FilePtr MapCache::Get(const Store& store, const std::string& sha256, i
     if (it == entries_.end() || !it->second.copying) break;
     changed_.wait(lock);
   }
-  if (const auto it = entries_.find(sha256); it != entries_.end() && it->second.whole) {
-    if (it->second.bytes == bytes) return Use(sha256, it->second);
-    it->second.whole = false;  // no file of that hash: it was cut or written to
-    std::error_code ignored;
-    fs::remove(PathOf(sha256), ignored);
+  if (Entry* whole = WholeEntry(sha256); whole && whole->bytes == bytes) {
+    return Use(sha256, *whole);
   }
+  Discard(sha256);  // not the file of that hash: it was truncated or changed
+  RestoreFolder();
   MakeRoom(sha256, bytes);
   Entry& entry = entries_[sha256];
   entry.bytes = bytes;
@@ -242,7 +280,7 @@ void MapCache::CountCopy(const std::string& sha256, bool good) {
   } else {
     ++counted_.failed_fetches;
     it->second.bytes = SizeOf(PartOf(sha256));
-    if (it->second.bytes == 0 && it->second.users == 0) entries_.erase(it);
+    if (it->second.IsNothing()) entries_.erase(it);
   }
   changed_.notify_all();
 }
@@ -250,7 +288,7 @@ void MapCache::CountCopy(const std::string& sha256, bool good) {
 void MapCache::Copy(const Store& store, const std::string& sha256, int64_t bytes) {
   const bool resumed = SizeOf(PartOf(sha256)) > 0;
   if (CopyOnce(store, sha256, bytes)) return;
-  // What was there before may have been damaged by a loss of power.
+  // The bytes of an earlier attempt may have been damaged by a loss of power.
   if (resumed && CopyOnce(store, sha256, bytes)) return;
   throw MapError(ErrorCode::kStoreDamaged,
                  "the store's file " + StorePath(sha256) +
@@ -270,11 +308,14 @@ bool MapCache::CopyOnce(const Store& store, const std::string& sha256, int64_t b
     }
     file.Flush();
   }
-  if (Sha256OfFile(part) != sha256) {
-    fs::remove(part);
+  std::error_code error;
+  if (HashOfPart(part) != sha256) {
+    fs::remove(part, error);
+    if (error) throw NotReady(UnwritableError(part, error.message(), 0).what());
     return false;
   }
-  fs::rename(part, PathOf(sha256));
+  fs::rename(part, PathOf(sha256), error);
+  if (error) throw NotReady(UnwritableError(PathOf(sha256), error.message(), 0).what());
   return true;
 }
 
@@ -314,13 +355,16 @@ bool MapCache::EvictOne() {
 
 void MapCache::Drop(const std::string& sha256) {
   const std::lock_guard lock(mutex_);
+  Discard(sha256);
+}
+
+void MapCache::Discard(const std::string& sha256) {
   const auto it = entries_.find(sha256);
   if (it == entries_.end() || !it->second.whole) return;
   std::error_code ignored;
   fs::remove(PathOf(sha256), ignored);
-  it->second.whole = false;
-  it->second.bytes = 0;
-  if (it->second.users == 0) entries_.erase(it);
+  it->second.SetGone();
+  if (it->second.IsNothing()) entries_.erase(it);
 }
 
 void MapCache::Stop() {

@@ -32,7 +32,7 @@ std::string UtcNow() {
   return text.data();
 }
 
-// Whether JSON holds the text as it is: others' bytes would become U+FFFD.
+// Whether JSON keeps the text as it is: invalid bytes would become U+FFFD.
 bool IsUtf8(const std::string& text) { return ToUtf8(text) == text; }
 
 Json PlaceNamesJson(const MapData& map) {
@@ -144,7 +144,7 @@ std::string ManifestOf(const MapVersion& version) {
                            {"version", version.number},
                            {"sha256", version.sha256},
                            {"bytes", version.bytes}});
-  text.pop_back();  // the details are JSON already, and some kilobytes of it
+  text.pop_back();  // the details are some kilobytes of JSON already
   return text + ",\"details\":" + version.details + "}";
 }
 
@@ -158,7 +158,7 @@ MapVersion ReadManifest(const std::string& text, const std::string& where) {
     const bool sound = version.number >= 1 && IsSha256(version.sha256) && version.bytes > 0 &&
                        json["details"].at("summary").is_object();
     if (sound) return version;
-  } catch (const Json::exception&) {  // told below
+  } catch (const Json::exception&) {  // reported below
   } catch (const MapError&) {
   }
   throw MapError(ErrorCode::kFileUnreadable,

@@ -40,7 +40,8 @@ void FailDatabase(ErrorCode code, const std::string& cause) {
                            "; check the address postgresql://... and that the server runs");
 }
 
-Database::Database(const std::string& url, double answer_s) : answer_s_(answer_s) {
+Database::Database(const std::string& url, std::stop_token stop, double answer_s)
+    : stop_(std::move(stop)), answer_s_(answer_s) {
   // What the address says comes later and counts. Nothing waits for a dead machine for long.
   const std::array<std::pair<const char*, const char*>, 7> settings{
       {{"connect_timeout", "3"},
@@ -95,17 +96,20 @@ Result Database::Answer() {
   }
 }
 
-// Waits for the next result, at most answer_s_ from `start` on. libpq's own waiting has no end: the
-// machine of a server that is frozen keeps the connection alive.
+// Waits for the next result, at most answer_s_ from `start` on, and until a stop is requested.
+// libpq's own waiting has no end: the machine of a server that is frozen keeps the connection
+// alive.
 void Database::WaitForAnswer(Clock::time_point start) {
   constexpr int kPauseMs = 1000;
   while (true) {
     const int unsent = PQflush(connection_.get());
     if (unsent < 0) Fail();
     if (unsent == 0 && PQisBusy(connection_.get()) == 0) return;
+    if (stop_.stop_requested()) GiveUp("no answer until the program was stopped");
     if (SecondsSince(start) > answer_s_) {
-      connection_.reset();
-      Fail();
+      char cause[64];
+      std::snprintf(cause, sizeof cause, "no answer within %g s", answer_s_);
+      GiveUp(cause);
     }
     const short sending = unsent > 0 ? POLLOUT : 0;
     pollfd socket{PQsocket(connection_.get()), static_cast<short>(POLLIN | sending), 0};
@@ -124,11 +128,14 @@ bool Database::TakeNotifications() {
   return any;
 }
 
+void Database::GiveUp(const std::string& cause) {
+  connection_.reset();
+  given_up_ = cause;
+  Fail();
+}
+
 void Database::Fail(ErrorCode code) const {
-  if (connection_) FailDatabase(code, PQerrorMessage(connection_.get()));
-  char text[64];
-  std::snprintf(text, sizeof text, "no answer within %g s", answer_s_);
-  FailDatabase(code, text);
+  FailDatabase(code, connection_ ? PQerrorMessage(connection_.get()) : given_up_);
 }
 
 Transaction::~Transaction() {

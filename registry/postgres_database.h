@@ -5,13 +5,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "core/base/clock.h"
 #include "core/base/error.h"
 
-// A connection to PostgreSQL: inside registry only.
+// A connection to PostgreSQL: internal to registry.
 namespace waystone::postgres {
 
 struct FreeResult {
@@ -32,10 +33,11 @@ constexpr double kAnswerS = 65;
 
 // One connection, for one thread. All functions throw as FailDatabase does: kRegistryUnavailable
 // for a database that can't be reached, or may do it later, and kFileUnreadable for what it
-// refuses. Where an answer took longer than `answer_s`, the connection is closed.
+// refuses. Where an answer takes longer than `answer_s`, or `stop` is requested while it is
+// awaited, the connection is closed.
 class Database {
  public:
-  explicit Database(const std::string& url, double answer_s = kAnswerS);
+  explicit Database(const std::string& url, std::stop_token stop = {}, double answer_s = kAnswerS);
 
   Result Run(const std::string& sql, const std::vector<std::string>& parameters = {});
   // Whether there was a notification since the last call.
@@ -46,9 +48,12 @@ class Database {
  private:
   Result Answer();
   void WaitForAnswer(Clock::time_point start);
+  [[noreturn]] void GiveUp(const std::string& cause);
   [[noreturn]] void Fail(ErrorCode code = ErrorCode::kRegistryUnavailable) const;
 
+  const std::stop_token stop_;
   const double answer_s_;
+  std::string given_up_;  // why the connection was closed
   std::unique_ptr<PGconn, FreeConnection> connection_;
 };
 

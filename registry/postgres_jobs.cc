@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registry/job_queue.h"
 
+#include <utility>
+
 #include "core/base/error.h"
 #include "core/base/text.h"
 #include "registry/postgres_database.h"
@@ -96,9 +98,9 @@ void CheckHasJobs(const std::string& registry) {
                                         "(postgresql://...)");
 }
 
-JobQueue::JobQueue(const std::string& registry, bool create) {
+JobQueue::JobQueue(const std::string& registry, bool create, std::stop_token stop) {
   CheckHasJobs(registry);
-  database_ = std::make_unique<Database>(registry);
+  database_ = std::make_unique<Database>(registry, std::move(stop));
   if (create) Create();
   exists_ = Exists();
 }

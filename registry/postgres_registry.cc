@@ -83,8 +83,9 @@ void WriteState(Database& database, const MapState& state, const std::string& ch
 
 class PostgresRegistry : public Registry {
  public:
-  PostgresRegistry(const std::string& url, const std::optional<NewRegistry>& create)
-      : database_(url) {
+  PostgresRegistry(const std::string& url, const std::optional<NewRegistry>& create,
+                   std::stop_token stop)
+      : database_(url, std::move(stop)) {
     if (create) Create(*create);
     if (!Exists()) {
       throw MapError(ErrorCode::kFileUnreadable,
@@ -226,8 +227,9 @@ MapVersion PublishInTransaction(Database& database, const MapVersion& version) {
 }
 
 std::unique_ptr<Registry> OpenPostgresRegistry(const std::string& url,
-                                               const std::optional<NewRegistry>& create) {
-  return std::make_unique<PostgresRegistry>(url, create);
+                                               const std::optional<NewRegistry>& create,
+                                               std::stop_token stop) {
+  return std::make_unique<PostgresRegistry>(url, create, std::move(stop));
 }
 
 }  // namespace waystone

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdio>
 #include <random>
+#include <utility>
 
 #include "api/json.h"
 #include "core/base/error.h"
@@ -19,8 +20,9 @@ bool IsPostgres(const std::string& url) {
 }
 
 std::unique_ptr<Registry> OpenRegistry(const std::string& url,
-                                       const std::optional<NewRegistry>& create) {
-  if (IsPostgres(url)) return OpenPostgresRegistry(url, create);
+                                       const std::optional<NewRegistry>& create,
+                                       std::stop_token stop) {
+  if (IsPostgres(url)) return OpenPostgresRegistry(url, create, std::move(stop));
   if (url.empty() || url.find("://") != std::string::npos) {
     throw MapError(ErrorCode::kUsage,
                    "'" + url + "' is not a registry; give a folder or postgresql://...");

@@ -21,6 +21,32 @@ namespace fs = std::filesystem;
 
 constexpr size_t kBlockBytes = 1 << 20;
 
+// Copies a file over one that is there, whose permissions stay. In place of fs::copy_file, to which
+// a full disk is an "Input/output error".
+void CopyBytes(const fs::path& file, const fs::path& temporary, const fs::path& target,
+               int64_t bytes) {
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  std::ofstream out(temporary, std::ios::binary);
+  std::vector<char> block(kBlockBytes);
+  while (in && out) {
+    in.read(block.data(), std::ssize(block));
+    if (in.bad()) break;
+    out.write(block.data(), in.gcount()).flush();
+  }
+  const std::string cause = errno == 0 ? "cannot be read" : std::strerror(errno);
+  if (!out) {
+    std::error_code ignored;
+    out.close();
+    fs::remove(temporary, ignored);  // so that what is free is all that is
+    throw UnwritableError(target, cause, bytes);
+  }
+  if (!in.eof()) {
+    throw MapError(ErrorCode::kFileUnreadable,
+                   file.string() + ": " + cause + "; check the path and the disk");
+  }
+}
+
 class FolderStore : public Store {
  public:
   explicit FolderStore(fs::path folder) : folder_(std::move(folder)) {}
@@ -32,13 +58,8 @@ class FolderStore : public Store {
     fs::create_directories(target.parent_path(), error);
     if (error) throw UnwritableError(target, error.message(), bytes);
     FileReplacer written(target, true);
-    const fs::perms by_umask = fs::status(written.temporary(), error).permissions();
-    fs::copy_file(file, written.temporary(), fs::copy_options::overwrite_existing, error);
-    if (error) throw UnwritableError(target, error.message(), bytes);
+    CopyBytes(file, written.temporary(), target, bytes);
     if (Sha256OfFile(written.temporary()) != sha256) ThrowChanged(file);
-    // A copy has the rights of its source, which servers of other users may not read.
-    fs::permissions(written.temporary(), by_umask, error);
-    if (error) throw UnwritableError(target, error.message(), bytes);
     written.Commit();
   }
 

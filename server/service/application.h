@@ -38,13 +38,13 @@ struct ServiceOptions {
     return use(
         OptionGroup{"localize", &Self::localize}, OptionGroup{"limits", &Self::limits},
         OptionField{"query_threads", &Self::query_threads, Closed(0, 1024), "",
-                    "Queries computed at once; 0 takes as many as there are cores. More don't "
-                    "answer faster, they only answer later together."},
+                    "Number of queries computed at once; 0 uses the number of cores. More threads "
+                    "don't make answers faster; they only make them all arrive later."},
         OptionField{"queue_length", &Self::queue_length, Closed(0, 3000), "",
-                    "Queries that wait for their turn; the next ones get 429. A longer queue turns "
-                    "fewer away and keeps the last ones waiting longer."},
+                    "Maximum number of waiting queries; further ones get 429. A longer queue turns "
+                    "fewer queries away, but keeps the last ones waiting longer."},
         OptionField{"query_log_bytes", &Self::query_log_bytes, AtLeast(1), "bytes",
-                    "What the query log may hold; it ends when it is full."});
+                    "Maximum size of the query log; logging ends when it is full."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -72,10 +72,12 @@ class Application {
   Metrics& metrics() { return metrics_; }
   // From now on /readyz says that the server ends, so that a load balancer sends nothing more.
   void BeginStop() { stopping_ = true; }
-  // Queries that wait for their turn, or for a map, are turned away from now on.
+  // Requests that wait for their turn, a map or a database are turned away from now on.
   void EndQueue() {
     gate_.Close();
+    queries_.EndWaits();
     maps_->EndWaits();
+    jobs_.EndWaits();
   }
   // Whether a request with this header Authorization may send a body. Thread-safe.
   bool Admit(const std::string& authorization) const {

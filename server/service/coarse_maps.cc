@@ -12,14 +12,15 @@
 
 #include "core/base/error.h"
 #include "core/base/start_thread.h"
+#include "schema/file/sha256.h"
 
 namespace waystone {
 namespace {
 
-// Of files, beside those of maps: ten thousand maps of a hundred places have 0.8 of it.
+// Of files, beside those of maps: for ten thousand maps of a hundred places they are 0.8 of it.
 constexpr int64_t kCacheBytes = 1'000'000'000;
-// What an entry takes of memory, by its file: itself and its share of the index, also while the
-// next index is made.
+// The memory that an entry takes, as a multiple of its file: its own and its share of the index,
+// also while the next index is made.
 constexpr int64_t kMemoryPerByte = 4;
 constexpr int kMaxCoarseRetryS = 60;
 // An index of ten thousand maps is made in less; entries that come meanwhile are in the next one.
@@ -121,6 +122,8 @@ void CoarseMaps::KeepFetching() {
       FetchWanted();
       all = true;
     } catch (const std::bad_alloc&) {  // the next round fetches what is left
+    } catch (const std::exception& error) {
+      log_("coarse index: " + std::string(error.what()) + "; trying again");
     }
     std::unique_lock lock(mutex_);
     if (!stopped_ && !(all && index_is_old_)) changed_.wait_for(lock, kPause);
@@ -145,7 +148,7 @@ bool CoarseMaps::IsStopped() const {
   return stopped_;
 }
 
-// Entries that aren't there, and may be tried now.
+// Entries that are missing, and may be tried now.
 std::vector<CoarseMaps::Wanted> CoarseMaps::ListWanted() {
   const Clock::time_point now = Clock::now();
   const std::lock_guard lock(mutex_);
@@ -183,6 +186,11 @@ std::shared_ptr<const CoarseEntry> CoarseMaps::Read(const Wanted& wanted) {
   const MapCache::FilePtr file = cache_.Get(*store_(), wanted.file.sha256, wanted.file.bytes);
   std::ifstream in(file->path(), std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  if (Sha256({reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}) !=
+      wanted.file.sha256) {
+    cache_.Drop(wanted.file.sha256);
+    throw MapError(ErrorCode::kNotReady, "the entry in the cache was damaged; it is fetched again");
+  }
   auto entry = std::make_shared<const CoarseEntry>(DecodeCoarseEntry(bytes, where));
   if (entry->map_version == wanted.map_version) return entry;
   throw MapError(ErrorCode::kFileUnreadable,
@@ -229,12 +237,12 @@ void CoarseMaps::Rebuild() {
     auto index = std::make_shared<const CoarseIndex>(std::move(maps));
     const std::lock_guard lock(mutex_);
     index_ = std::move(index);
-  } catch (const std::bad_alloc&) {  // the one before stays, until the next change
-    log_("coarse index: out of memory; serving the one before");
+  } catch (const std::bad_alloc&) {  // the previous index stays until the next change
+    log_("coarse index: out of memory; keeping the previous one");
   }
 }
 
-// Says what searches can't find, once.
+// Reports once which maps searches can't find.
 void CoarseMaps::TellWithout() {
   int64_t count = 0;
   std::string first;

@@ -20,7 +20,7 @@
 
 namespace waystone {
 
-// What a server has of the coarse index of its registry.
+// What a server holds of its registry's coarse index.
 struct CoarseHoldings {
   int64_t maps = 0;      // in the index
   int64_t places = 0;    // of them
@@ -31,16 +31,16 @@ struct CoarseHoldings {
   int64_t refused = 0;   // since the start: entries that couldn't be fetched or read
 };
 
-// The coarse entries of a registry's maps, all in memory: fetched from the store in a thread of its
-// own, and put together to an index whenever some have changed. An entry that can't be had leaves
-// the one before; it is tried again. Thread-safe.
+// The coarse entries of a registry's maps, all in memory: fetched from the store by a thread of its
+// own, and made into an index whenever some have changed. While a new entry can't be had, the one
+// before stays; it is tried again. Thread-safe.
 class CoarseMaps {
  public:
   using Log = std::function<void(const std::string&)>;
   using StoreNow = std::function<std::shared_ptr<const Store>()>;
 
-  // `folder` is a cache of these files alone. Entries that would take more than max_bytes of memory
-  // are left out. Throws as MapCache does.
+  // `folder` is a cache for these entries only. Entries that would exceed max_bytes of memory are
+  // left out. Throws as MapCache does.
   CoarseMaps(const std::filesystem::path& folder, int64_t max_bytes, StoreNow store, Log log);
   ~CoarseMaps();
 
@@ -49,12 +49,12 @@ class CoarseMaps {
   // Waits until what is under way has ended.
   void Stop();
 
-  // What the registry says of a map: the version of its file, and where its entry is, if it has
-  // one.
+  // What the registry says of a map: the version of its file, and which file in the store is its
+  // entry, if it has one.
   void Set(const std::string& name, const std::string& map_version,
            const std::optional<CoarseFile>& file);
   void Forget(const std::string& name);
-  // Tries at once what has failed.
+  // Tries again at once what has failed.
   void Retry();
 
   // Never null.

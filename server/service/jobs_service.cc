@@ -45,7 +45,7 @@ auto JobsService::AskQueue(const Ask& ask) {
   }
   if (!failure_.empty() && SecondsSince(failed_) < kFreshS) throw NoDatabase();
   try {
-    if (!queue_) queue_ = std::make_unique<JobQueue>(registry_, false);
+    if (!queue_) queue_ = std::make_unique<JobQueue>(registry_, false, stop_.get_token());
     auto answer = ask(*queue_);
     failure_.clear();
     return answer;

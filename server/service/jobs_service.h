@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,9 @@ class JobsService {
   // Adds the routes. The service must outlive the router's last request.
   void AddTo(Router& router);
 
+  // Ends the waits for the database, now and from now on.
+  void EndWaits() { stop_.request_stop(); }
+
  private:
   HttpResponse List(const HttpRequest& request);
   HttpResponse Show(const std::string& id);
@@ -42,6 +46,7 @@ class JobsService {
 
   const std::string registry_;
   const std::function<void(const std::string&)> on_error_;
+  std::stop_source stop_;
   std::timed_mutex mutex_;
   std::unique_ptr<JobQueue> queue_;
   std::vector<Json> jobs_;  // as they were at `read_`

@@ -19,15 +19,15 @@
 
 namespace waystone {
 
-// The queries over HTTP: POST /v1/maps/{map}/localize and POST /v1/localize. A handler reads and
-// parses the whole body first, so that a slow client holds no query's turn, then waits for its
-// turn, asks the localizer and renders. Parsing JSON takes up to six times its memory, so that one
-// such body is parsed at a time; the deadline counts meanwhile, and who has waited for 20 s gets
-// BusyError. Where all maps can't be asked at once, the coarse index says which are (map_search.h).
-// Thread-safe.
+// The queries over HTTP: POST /v1/maps/{map}/localize and POST /v1/localize. A handler first reads
+// and parses the whole body, so that a slow client doesn't hold a query's turn, then waits for its
+// turn, asks the localizer and renders the answer. Parsing JSON takes up to six times the body's
+// memory, so one such body is parsed at a time; the deadline runs meanwhile, and a request that has
+// waited for 20 s gets BusyError. Where the maps can't all be asked at once, the coarse index says
+// which ones are (map_search.h). Thread-safe.
 class LocalizeService {
  public:
-  // All but the options must outlive the service; `log` may be null.
+  // All but the options and limits must outlive the service; `log` may be null.
   LocalizeService(MapSource& maps, QueryGate& gate, Metrics& metrics, QueryLog* log,
                   const LocalizeOptions& options, const RequestLimits& limits)
       : maps_(maps),
@@ -40,6 +40,9 @@ class LocalizeService {
   // Adds the routes. The service must outlive the router's last request.
   void AddTo(Router& router);
 
+  // Turns away requests that wait for their JSON to be parsed, now and from now on.
+  void EndWaits() { parsing_json_.Close(); }
+
  private:
   static constexpr int kMaxParsers = 10'000;  // as many threads as requests may have
 
@@ -49,7 +52,8 @@ class LocalizeService {
     std::shared_ptr<const QueryRequest> request;
     Json json;
   };
-  // The map of that name, or all of the scope that can be had: opened by the request's deadline.
+  // The map of that name, or all maps of the scope that can be had, opened by the request's
+  // deadline.
   FoundMaps MapsFor(const std::optional<std::string>& name, const SearchScope& scope,
                     const QueryRequest& request);
   Answered AskMaps(const std::optional<std::string>& name, const SearchScope& scope,

@@ -19,9 +19,9 @@
 
 namespace waystone {
 
-// What a server that serves from a registry has of it. Bytes are of map files, but for `memory`.
+// What a server that serves from a registry holds. Bytes are of map files, except memory's.
 struct RegistryHoldings {
-  bool connected = false;    // the registry answered when it was asked last
+  bool connected = false;    // the registry answered when last asked
   double silent_s = 0;       // since it answered
   int64_t memory_bytes = 0;  // what open maps count as, and its bound
   int64_t memory_limit = 0;
@@ -33,15 +33,15 @@ struct RegistryHoldings {
   int64_t failed_fetches = 0;
   int64_t opened = 0;
   int64_t closed = 0;   // to make room in memory
-  int64_t swapped = 0;  // open maps of which another version took the place
+  int64_t swapped = 0;  // open maps replaced by another version
   int64_t refused = 0;  // versions that couldn't be fetched or opened
   CoarseHoldings coarse;
 };
 
-// What a query of all maps is to ask.
+// The maps that a query of all maps is to ask.
 struct SearchScope {
-  std::vector<std::string> names;  // that the hints leave, ascending
-  // Proposes among them; null where all of them can be asked.
+  std::vector<std::string> names;  // those that fit the hints, ascending
+  // Proposes some of them; null where all of them can be asked.
   std::shared_ptr<const CoarseIndex> coarse;
   int unindexed = 0;  // of the names, not in the index
 };
@@ -56,21 +56,21 @@ struct FoundMap {
   ErrorCode code = ErrorCode::kNotReady;
 };
 
-// A map that is on its way when the wait for it ends.
+// A map was still being fetched or opened when the wait for it ended.
 class MapLate : public MapError {
  public:
   explicit MapLate(const std::string& message) : MapError(ErrorCode::kNotReady, message) {}
 };
 
-// What a server holds, now.
+// What a server holds at the moment.
 struct Holdings {
   size_t maps = 0;  // by name
   size_t open = 0;  // of them, in memory
   std::optional<RegistryHoldings> registry;
 };
 
-// The maps of a server by their names. Each request goes on with the maps that it found when it
-// asked, whatever becomes of the names meanwhile. Thread-safe.
+// The maps of a server by their names. A request keeps the maps that it found, whatever becomes of
+// the names meanwhile. Thread-safe.
 class MapSource {
  public:
   using MapPtr = std::shared_ptr<const ServedMap>;
@@ -80,21 +80,21 @@ class MapSource {
 
   // Ascending.
   virtual std::vector<std::string> Names() const = 0;
-  // Throws MapError(kNotFound) for a name that isn't served, and waits for nothing.
+  // Throws MapError(kNotFound) for a name that isn't served. Doesn't wait.
   virtual void CheckName(const std::string& name) const = 0;
-  // One of the maps. May wait until it is open, at most until the deadline. Throws
-  // MapError(kNotFound), BusyError, and for a map that can't be had now kNotReady,
-  // kStoreUnavailable, kStoreDamaged, kNoRoom, or what is wrong with its file.
+  // One of the maps. May wait until it is open, at most until the deadline. Throws BusyError, and
+  // MapError: kNotFound; for a map that can't be had now kNotReady, kStoreUnavailable,
+  // kStoreDamaged, kNoRoom, or what is wrong with its file.
   virtual MapPtr Find(const std::string& name, const Deadline& deadline) = 0;
-  // What a query of all maps with these hints asks. Waits for nothing. Throws MapError: kNotFound
-  // where the hints leave nothing, kNotReady where there is no map, and kNotAvailable where they
-  // are too many to be asked at once and none of them can be proposed.
+  // What a query of all maps with these hints asks. Doesn't wait. Throws MapError: kNotFound where
+  // no map fits the hints, kNotReady where there is no map, and kNotAvailable where the maps that
+  // fit are too many to be asked at once and none of them can be proposed.
   virtual SearchScope ScopeOf(const MapHints& hints) const = 0;
-  // The first of these maps, at least one, as many as can be had at the same time. Waits as Find
-  // does, and throws nothing but std::bad_alloc. There are names.
+  // The first of these maps, at least one: as many as can be had at the same time. Waits as Find
+  // does, and throws nothing but std::bad_alloc. `names` isn't empty.
   virtual std::vector<FoundMap> FindLot(std::span<const std::string> names,
                                         const Deadline& deadline) = 0;
-  // What lists say of a map (MapJson). Waits for nothing. Throws MapError(kNotFound).
+  // What lists say of a map (MapJson). Doesn't wait. Throws MapError(kNotFound).
   virtual Json Summary(const std::string& name) const = 0;
   virtual Holdings holdings() const = 0;
   // Ends the waits of Find and FindLot, now and from now on, with MapError(kNotReady).

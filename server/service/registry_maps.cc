@@ -20,7 +20,7 @@ namespace waystone {
 namespace {
 
 constexpr int kOpeners = 4;  // maps fetched at once; one of them is read at a time
-constexpr std::chrono::seconds kPatience{20};
+constexpr double kMemoryPatienceS = 20;
 constexpr std::chrono::milliseconds kMemoryPause{50};
 constexpr int kMaxRetryS = 60;
 constexpr int64_t kCoarseShare = 4;  // of the memory of maps, for the coarse index
@@ -30,13 +30,25 @@ MapError NotServed(const std::string& name) {
   return {ErrorCode::kNotFound,
           "no map '" + Printable(name.substr(0, 80)) + "'; GET /v1/maps lists the maps"};
 }
-// The cause names files and addresses of ours, but for want of room: the log has it.
-[[noreturn]] void ThrowUnopened(const std::string& name, ErrorCode code, const std::string& error) {
+// What clients may read of an error: the cause names files and addresses of ours, but for want of
+// room.
+std::string ToldOf(const MapError& error) {
+  if (const auto* full = dynamic_cast<const FullDiskError*>(&error)) return full->told();
+  return error.code() == ErrorCode::kNoRoom ? error.what() : "";
+}
+[[noreturn]] void ThrowUnopened(const std::string& name, ErrorCode code, const std::string& told) {
   if (code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
-  const std::string cause = code == ErrorCode::kNoRoom
-                                ? error
-                                : std::string("it can't be opened now; the server's log says why");
+  const std::string cause =
+      told.empty() ? std::string("it can't be opened now; the server's log says why") : told;
   throw MapError(code, "map '" + name + "': " + cause);
+}
+// Whether a file has the bytes of that hash; not one that was removed meanwhile.
+bool IsIntact(const std::filesystem::path& file, const std::string& sha256) {
+  try {
+    return Sha256OfFile(file) == sha256;
+  } catch (const MapError&) {
+    return false;
+  }
 }
 // A registry that can't be opened is refused before a cache is made for it.
 const RegistryMapsOptions& Checked(const RegistryMapsOptions& options) {
@@ -98,6 +110,7 @@ void RegistryMaps::Stop() {
     stopped_ = true;
     ended_waits_ = true;
   }
+  stop_.request_stop();
   changed_.notify_all();
   eventfd_write(wake_.get(), 1);
   for (std::thread& thread : threads_) thread.join();
@@ -156,10 +169,12 @@ void RegistryMaps::OpenQueued(const std::string& name) {
     if (has_other) wanted.push_back(*entry.served);
   }
   Opening failure;
-  const auto fail = [&failure](ErrorCode code, const std::string& error) {
-    if (!failure.error.empty()) return;  // the first one is told
+  const auto fail = [&failure](ErrorCode code, const std::string& error,
+                               const std::string& told = {}) {
+    if (!failure.error.empty()) return;  // the first one counts
     failure.code = code;
     failure.error = error;
+    failure.told = told;
   };
   Opened opened;
   MapVersion version;
@@ -170,7 +185,7 @@ void RegistryMaps::OpenQueued(const std::string& name) {
     } catch (const std::bad_alloc&) {
       fail(ErrorCode::kOutOfMemory, "out of memory");
     } catch (const MapError& error) {
-      fail(error.code(), error.what());
+      fail(error.code(), error.what(), ToldOf(error));
     } catch (const std::exception& error) {
       fail(ErrorCode::kNotReady, error.what());
     }
@@ -201,7 +216,7 @@ std::shared_ptr<const MapIndex> RegistryMaps::ReadVersion(const MapVersion& vers
     if (index->map().info.version == version.sha256) return index;
   } catch (const MapError& error) {
     cause = error.what();
-    if (Sha256OfFile(file->path()) == version.sha256) throw;  // it was published so
+    if (IsIntact(file->path(), version.sha256)) throw;  // it was published so
   }
   cache_.Drop(version.sha256);
   throw MapError(ErrorCode::kNotReady,
@@ -216,7 +231,7 @@ std::shared_ptr<MapMemory::Share> RegistryMaps::TakeMemory(const MapVersion& ver
                                            " are allowed; give the server more (--memory)");
   }
   const Clock::time_point start = Clock::now();
-  while (Clock::now() - start < kPatience) {
+  while (SecondsSince(start) < kMemoryPatienceS) {
     while (true) {
       MapPtr closed;  // goes outside the lock, with its memory where no request has it
       const std::lock_guard lock(mutex_);
@@ -270,6 +285,7 @@ void RegistryMaps::Finish(const std::string& name, const MapVersion& version, Op
     if (const std::shared_ptr<Opening> opening = std::exchange(entry.opening, nullptr)) {
       opening->map = entry.open;
       opening->error = failure.error;
+      opening->told = failure.told;
       opening->code = failure.code;
       opening->done = true;
     }
@@ -307,6 +323,7 @@ void RegistryMaps::Count(const Opening& failure, Entry& entry, std::string& said
   }
   ++entry.failures;
   entry.error = failure.error;
+  entry.told = failure.told;
   entry.code = failure.code;
   const int retry_s = std::min(kMaxRetryS, 1 << std::min(entry.failures - 1, 10));
   entry.retry_at = Clock::now() + std::chrono::seconds(retry_s);
@@ -338,6 +355,13 @@ void RegistryMaps::CheckName(const std::string& name) const {
   EntryOf(name);
 }
 
+Clock::time_point RegistryMaps::WaitUntil(const Deadline& deadline) const {
+  const Clock::time_point until =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                         std::chrono::duration<double>(options_.patience_s));
+  return deadline ? std::min(until, *deadline) : until;
+}
+
 MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& deadline) {
   Lock lock(mutex_);
   const auto it = entries_.find(name);
@@ -347,19 +371,17 @@ MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& de
   if (entry.open) return entry.open;
   if (ended_waits_) throw Ending();
   const bool has_other = entry.served && *entry.served != entry.current;
-  if (entry.MustWait() && !has_other) ThrowUnopened(name, entry.code, entry.error);
+  if (entry.MustWait() && !has_other) ThrowUnopened(name, entry.code, entry.told);
   if (waiting_ >= kMaxWaiting) {
     throw BusyError("too many requests wait for maps to be opened; try again", 1);
   }
   QueueOpening(name, entry);
   const std::shared_ptr<Opening> opening = entry.opening;
-  Clock::time_point until = Clock::now() + kPatience;
-  if (deadline) until = std::min(until, *deadline);
   ++waiting_;
-  changed_.wait_until(lock, until, [&] { return opening->done || ended_waits_; });
+  changed_.wait_until(lock, WaitUntil(deadline), [&] { return opening->done || ended_waits_; });
   --waiting_;
   if (opening->map) return opening->map;
-  if (!opening->error.empty()) ThrowUnopened(name, opening->code, opening->error);
+  if (!opening->error.empty()) ThrowUnopened(name, opening->code, opening->told);
   if (opening->done) throw NotServed(name);  // retired meanwhile
   if (ended_waits_) throw Ending();
   throw MapLate("map '" + name + "' is being fetched and opened; try again in a moment");

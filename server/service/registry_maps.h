@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,7 +32,8 @@ struct RegistryMapsOptions {
   std::string store;            // for OpenStore; empty: the one that the registry names
   int64_t memory_bytes = 4'000'000'000;
   int64_t cache_bytes = 20'000'000'000;
-  double poll_s = 1;  // between looks at the registry
+  double poll_s = 1;       // between looks at the registry
+  double patience_s = 20;  // of a request, for maps to be opened
 };
 
 // The maps of a registry, fetched into a cache and opened when they are asked for, within a bound
@@ -57,7 +59,7 @@ class RegistryMaps : public MapSource {
 
   std::vector<std::string> Names() const override;
   void CheckName(const std::string& name) const override;
-  // Waits 20 s at most.
+  // Waits `patience_s` at most, as FindLot does for all maps together.
   MapPtr Find(const std::string& name, const Deadline& deadline) override;
   SearchScope ScopeOf(const MapHints& hints) const override;
   std::vector<FoundMap> FindLot(std::span<const std::string> names,
@@ -75,6 +77,7 @@ class RegistryMaps : public MapSource {
     bool done = false;
     MapPtr map;         // null where it failed
     std::string error;  // then
+    std::string told;   // of the error to clients, without paths; empty: the log says it
     ErrorCode code = ErrorCode::kNotReady;
   };
   struct Entry {
@@ -89,6 +92,7 @@ class RegistryMaps : public MapSource {
     uint64_t last_use = 0;
     std::shared_ptr<Opening> opening;  // queued or under way
     std::string error;                 // why `current` isn't open
+    std::string told;                  // of that to clients, as in Opening
     ErrorCode code = ErrorCode::kNotReady;
     int failures = 0;  // in a row
     Clock::time_point retry_at;
@@ -130,6 +134,7 @@ class RegistryMaps : public MapSource {
   void Count(const Opening& failure, Entry& entry, std::string& said);  // with the lock held
   std::shared_ptr<const Store> StoreNow() const;
   static std::string Megabytes(int64_t bytes);
+  Clock::time_point WaitUntil(const Deadline& deadline) const;
   FoundMap TryToFind(const std::string& name, const Deadline& deadline);
   void Stop();
 
@@ -157,8 +162,10 @@ class RegistryMaps : public MapSource {
   Clock::time_point answered_ = Clock::now();
   RegistryHoldings counted_;
   std::mutex opening_;                  // one map is read at a time
+  std::stop_source stop_;               // ends the wait for a database that doesn't answer
   std::unique_ptr<Registry> registry_;  // null while it can't be reached; of the looking thread
   Clock::time_point written_;           // when what is known was written
+  std::string unwritten_;               // why it couldn't be, as it was logged
   std::vector<std::thread> threads_;
 };
 

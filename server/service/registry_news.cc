@@ -8,10 +8,13 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <new>
+#include <optional>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "api/query_request_json.h"
@@ -72,10 +75,14 @@ bool RegistryMaps::ReadKnown() {
   return false;
 }
 
-// Empty where nothing has changed since the last time.
+// Empty where nothing has changed since the last time, unless the file alone is missing: in a cache
+// that was removed and made again.
 std::string RegistryMaps::TakeKnown() {
   const std::lock_guard lock(mutex_);
-  if (!known_changed_) return {};
+  std::error_code ignored;
+  const bool is_missing = std::filesystem::is_directory(options_.cache, ignored) &&
+                          !std::filesystem::exists(KnownPath(options_.cache), ignored);
+  if (!known_changed_ && !is_missing) return {};
   std::string text = Dump({{"format", kKnownFormat},
                            {"registry", HashOf(options_.registry)},
                            {"id", registry_id_},
@@ -94,18 +101,21 @@ void RegistryMaps::WriteKnown() {
   if (text.empty()) return;
   written_ = Clock::now();
   try {
+    cache_.Restore();
     FileReplacer file(KnownPath(options_.cache), true);
     std::ofstream out(file.temporary(), std::ios::binary);
     out << text;
     out.close();
     if (!out) throw UnwritableError(KnownPath(options_.cache), std::strerror(errno), 0);
     file.Commit();
+    unwritten_.clear();
   } catch (const std::exception& error) {
     {
       const std::lock_guard lock(mutex_);
       known_changed_ = true;  // tried again
     }
-    log_(error.what());
+    const std::string why = error.what();
+    if (std::exchange(unwritten_, why) != why) log_(why);
   }
 }
 
@@ -124,7 +134,7 @@ void RegistryMaps::CheckId(const Registry& registry) {
 void RegistryMaps::Look() {
   try {
     if (!registry_) {
-      registry_ = OpenRegistry(options_.registry);
+      registry_ = OpenRegistry(options_.registry, std::nullopt, stop_.get_token());
       CheckId(*registry_);
     }
     Apply(registry_->Refresh());

@@ -115,8 +115,9 @@ std::vector<FoundMap> RegistryMaps::FindLot(std::span<const std::string> names,
       if (!entry.open && !entry.MustWait() && !ended_waits_) QueueOpening(name, entry);
     }
   }
+  const Clock::time_point until = WaitUntil(deadline);
   std::vector<FoundMap> found;
-  for (const std::string& name : names.first(count)) found.push_back(TryToFind(name, deadline));
+  for (const std::string& name : names.first(count)) found.push_back(TryToFind(name, until));
   return found;
 }
 

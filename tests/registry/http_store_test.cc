@@ -12,7 +12,9 @@
 #include "core/base/error.h"
 #include "registry/store.h"
 #include "schema/file/sha256.h"
+#include "tests/registry/file_size_limit.h"
 #include "tests/registry/test_folder.h"
+#include "tests/schema/mounted_folder.h"
 
 namespace waystone {
 namespace {
@@ -149,6 +151,35 @@ TEST_F(StoreTest, AFolderKeepsFilesWithTheRightsOfTheUmask) {
   umask(before);
   EXPECT_EQ(fs::status(folder_.path() / "store" / StorePath(sha256_)).permissions(),
             fs::perms(0644));
+}
+
+TEST_F(StoreTest, AFolderSaysWhyItDoesntTakeAFile) {
+  const auto store = OpenStore((folder_ / "store").string());
+  const auto put = [&] { Put(*store); };
+  {
+    const FileSizeLimit limit(10'000);
+    const std::string error = Failure(put, ErrorCode::kFileUnwritable);
+    EXPECT_NE(error.find("can't be written: File too large, 0.1 MB required"), std::string::npos)
+        << error;
+  }
+  Put(*store);
+  const fs::path kept = folder_.path() / "store" / StorePath(sha256_);
+  EXPECT_EQ(std::distance(fs::directory_iterator(kept.parent_path()), {}), 1) << "nothing is left";
+  fs::remove(folder_ / "map.db");
+  fs::remove(kept);
+  const std::string error = Failure(put, ErrorCode::kFileUnreadable);
+  EXPECT_NE(error.find("map.db: No such file"), std::string::npos) << error;
+}
+
+TEST_F(StoreTest, AFolderOnAFullDiskIsSaid) {
+  fs::create_directory(folder_ / "store");
+  const MountedFolder disk(folder_ / "store", "size=64k");
+  if (!disk.mounted()) GTEST_SKIP() << "mounting a file system isn't possible here";
+  const auto store = OpenStore((folder_ / "store").string());
+  const std::string error = Failure([&] { Put(*store); }, ErrorCode::kFileUnwritable);
+  EXPECT_NE(error.find("can't be written: No space left on device, 0.1 MB required, 0.1 MB free"),
+            std::string::npos)
+      << error;
 }
 
 TEST_F(StoreTest, AFileThatIsAnotherByNowIsRefused) {

@@ -5,11 +5,13 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <thread>
 
 #include "core/base/error.h"
 #include "schema/file/sha256.h"
+#include "tests/registry/file_size_limit.h"
 #include "tests/registry/test_folder.h"
 #include "tests/schema/mounted_folder.h"
 
@@ -44,6 +46,7 @@ class TestStore : public Store {
     for (int64_t at = start; at < end; at += kBlock) {
       const int64_t count = std::min<int64_t>(kBlock, end - at);
       if (!sink.Take({file.data() + at, static_cast<size_t>(count)})) return;
+      if (meanwhile) meanwhile();
     }
     if (ends_at) throw MapError(ErrorCode::kStoreUnavailable, "the store ended early");
   }
@@ -53,6 +56,7 @@ class TestStore : public Store {
   bool away = false;
   bool whole_files_only = false;
   std::optional<int64_t> ends_at;
+  std::function<void()> meanwhile;  // behind each block
   mutable std::atomic<int> fetches = 0;
   mutable std::atomic<int64_t> last_offset = 0;
 };
@@ -77,6 +81,8 @@ class MapCacheTest : public testing::Test {
     }
     return "";
   }
+
+  fs::path Cached(const std::string& sha256) const { return folder_ / (sha256.substr(7) + ".db"); }
 
   TestFolder folder_;
   TestStore store_;
@@ -156,6 +162,118 @@ TEST_F(MapCacheTest, ADroppedFileIsFetchedAnew) {
   EXPECT_EQ(Get(sha256), std::string(1000, 'x')) << "no file of that size";
 }
 
+TEST_F(MapCacheTest, AFileThatWasDeletedOrTruncatedIsFetchedAgain) {
+  const std::string sha256 = store_.Add(std::string(1000, 'x'));
+  Get(sha256);
+  fs::remove(Cached(sha256));
+  EXPECT_EQ(Get(sha256), std::string(1000, 'x'));
+  WriteBytes(Cached(sha256), "cut");
+  EXPECT_EQ(Get(sha256), std::string(1000, 'x'));
+  EXPECT_EQ(store_.fetches, 3);
+  EXPECT_EQ(cache_->usage().files, 1);
+  EXPECT_EQ(cache_->usage().bytes, 1000);
+  WriteBytes(Cached(sha256), "cut");
+  EXPECT_EQ(cache_->Find(sha256), nullptr);
+  EXPECT_EQ(cache_->usage().bytes, 0);
+  // While somebody uses it.
+  MapCache::FilePtr used = cache_->Get(store_, sha256, 1000);
+  fs::remove(Cached(sha256));
+  EXPECT_EQ(cache_->Find(sha256), nullptr);
+  EXPECT_EQ(cache_->usage().bytes, 0);
+  EXPECT_EQ(Get(sha256), std::string(1000, 'x'));
+  EXPECT_EQ(cache_->usage().bytes, 1000);
+  const std::string large = store_.Add(std::string(9500, 'y'));
+  EXPECT_NE(Failure(large, 9500, ErrorCode::kNoRoom).find("in use"), std::string::npos);
+  used.reset();
+  EXPECT_EQ(Get(large), store_.files[large]) << "in its place";
+}
+
+TEST_F(MapCacheTest, AFolderThatWasRemovedIsMadeAgain) {
+  const std::string first = store_.Add(std::string(4000, 'x'));
+  const std::string second = store_.Add(std::string(4000, 'y'));
+  const std::string third = store_.Add(std::string(4000, 'z'));
+  MapCache::FilePtr used = cache_->Get(store_, first, 4000);
+  Get(second);
+  fs::remove_all(folder_.path());
+  EXPECT_EQ(Get(third), std::string(4000, 'z'));
+  EXPECT_EQ(cache_->usage().files, 1) << "what is gone takes no room";
+  EXPECT_EQ(cache_->usage().bytes, 4000);
+  EXPECT_EQ(cache_->Find(second), nullptr);
+  EXPECT_THROW(MapCache(folder_.path(), 1000), MapError) << "it is locked";
+  used.reset();
+  fs::remove(folder_ / "lock");
+  cache_->Restore();
+  EXPECT_THROW(MapCache(folder_.path(), 1000), MapError);
+  EXPECT_NE(cache_->Find(third), nullptr) << "what is left is kept";
+  EXPECT_EQ(Get(first), std::string(4000, 'x'));
+  EXPECT_EQ(cache_->usage().bytes, 8000);
+}
+
+TEST_F(MapCacheTest, AFolderThatCantBeMadeAgainIsSaidUntilItCan) {
+  const std::string sha256 = store_.Add(std::string(1000, 'x'));
+  Get(sha256);
+  fs::remove_all(folder_.path());
+  WriteBytes(folder_.path(), "in its place");
+  for (int i = 0; i < 2; ++i) {
+    const std::string error = Failure(sha256, 1000, ErrorCode::kNotReady);
+    EXPECT_NE(error.find(folder_.path().string() + " can't be written"), std::string::npos)
+        << error;
+  }
+  fs::remove(folder_.path());
+  {
+    const MapCache other(folder_.path(), 1000);  // another server was faster
+    EXPECT_NE(Failure(sha256, 1000, ErrorCode::kNotReady).find("is the cache of another server"),
+              std::string::npos);
+  }
+  EXPECT_EQ(Get(sha256), std::string(1000, 'x'));
+}
+
+TEST_F(MapCacheTest, AFolderThatIsRemovedDuringAFetchLeavesNothing) {
+  const std::string sha256 = store_.Add(std::string(1000, 'x'));
+  store_.meanwhile = [&] { fs::remove_all(folder_.path()); };
+  const auto descriptors = [] {
+    return std::distance(fs::directory_iterator("/proc/self/fd"), {});
+  };
+  const auto before = descriptors();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NE(Failure(sha256, 1000, ErrorCode::kNotReady).find("No such file"), std::string::npos);
+    EXPECT_EQ(cache_->usage().bytes, 0);
+  }
+  EXPECT_EQ(descriptors(), before);
+  store_.meanwhile = nullptr;
+  EXPECT_EQ(Get(sha256), std::string(1000, 'x'));
+}
+
+TEST_F(MapCacheTest, WantOfRoomIsToldWithoutPathsAndOtherErrorsAreNone) {
+  const std::string sha256 = store_.Add(std::string(5000, 'x'));
+  {
+    const FileSizeLimit limit(3000);
+    try {
+      cache_->Get(store_, sha256, 5000);
+      ADD_FAILURE() << "no error";
+    } catch (const FullDiskError& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kNoRoom);
+      EXPECT_NE(std::string(error.what()).find(folder_.path().string()), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("File too large"), std::string::npos);
+      EXPECT_EQ(error.told(),
+                "the map's file can't be written: File too large, 0.0 MB required; the server's "
+                "log says more");
+    }
+  }
+  EXPECT_EQ(Get(sha256), std::string(5000, 'x'));
+  fs::remove(Cached(sha256));
+  fs::create_directory(folder_ / (sha256.substr(7) + ".part"));
+  EXPECT_NE(Failure(sha256, 5000, ErrorCode::kNotReady).find("Is a directory"), std::string::npos);
+}
+
+TEST_F(MapCacheTest, AFileOfAnotherSizeLeavesItsRoom) {
+  const std::string sha256 = store_.Add(std::string(1000, 'x'));
+  Get(sha256);
+  EXPECT_NE(Failure(sha256, 20'000, ErrorCode::kNoRoom).find("the cache may hold"),
+            std::string::npos);
+  EXPECT_EQ(cache_->usage().bytes, 0);
+}
+
 TEST_F(MapCacheTest, TheLeastRecentlyUsedFilesMakeRoom) {
   std::vector<std::string> hashes;
   for (char c = 'a'; c < 'f'; ++c) hashes.push_back(store_.Add(std::string(3000, c)));
@@ -199,6 +317,8 @@ TEST_F(MapCacheTest, OnAFullDiskFilesThatNobodyUsesMakeRoomAndOthersStay) {
   ASSERT_TRUE(used && also_used);
   const std::string error = Failure(hashes[3], 100'000, ErrorCode::kNoRoom);
   EXPECT_NE(error.find("No space left on device"), std::string::npos) << error;
+  EXPECT_NE(error.find(folder_.path().string()), std::string::npos) << error;
+  EXPECT_THROW(cache_->Get(store_, hashes[3], 100'000), FullDiskError);
   EXPECT_EQ(ReadAll(used->path()), store_.files[hashes[1]]);
   EXPECT_EQ(ReadAll(also_used->path()), store_.files[hashes[2]]);
   used.reset();

@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 #include "core/base/clock.h"
 #include "core/base/error.h"
@@ -59,7 +62,7 @@ TEST_F(DatabaseTest, StatementsAreAnswered) {
 
 TEST_F(DatabaseTest, AFrozenServerIsGivenUp) {
   constexpr double kPatienceS = 30;  // on a machine that is busy
-  Database database(server_->url(), 1);
+  Database database(server_->url(), {}, 1);
   const auto backend = static_cast<pid_t>(Number(database.Run("SELECT pg_backend_pid()"), 0, 0));
   ASSERT_GT(backend, 0);
   ASSERT_EQ(kill(backend, SIGSTOP), 0);
@@ -71,7 +74,27 @@ TEST_F(DatabaseTest, AFrozenServerIsGivenUp) {
   Refusal(ErrorCode::kRegistryUnavailable, [&] { database.Run("SELECT 1"); });
   EXPECT_LT(SecondsSince(start), kPatienceS);
   kill(backend, SIGCONT);
-  EXPECT_EQ(Cell(Database(server_->url(), kPatienceS).Run("SELECT 1"), 0, 0), "1");
+  EXPECT_EQ(Cell(Database(server_->url(), {}, kPatienceS).Run("SELECT 1"), 0, 0), "1");
+}
+
+TEST_F(DatabaseTest, AStopEndsTheWaitForAFrozenServer) {
+  constexpr double kPatienceS = 30;
+  std::stop_source stop;
+  Database database(server_->url(), stop.get_token());
+  const auto backend = static_cast<pid_t>(Number(database.Run("SELECT pg_backend_pid()"), 0, 0));
+  ASSERT_GT(backend, 0);
+  ASSERT_EQ(kill(backend, SIGSTOP), 0);
+  const Clock::time_point start = Clock::now();
+  std::jthread stopping([&stop] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    stop.request_stop();
+  });
+  EXPECT_NE(Refusal(ErrorCode::kRegistryUnavailable, [&] { database.Run("SELECT 1"); })
+                .find("no answer until the program was stopped"),
+            std::string::npos);
+  EXPECT_LT(SecondsSince(start), kPatienceS);
+  EXPECT_FALSE(database.connected());
+  kill(backend, SIGCONT);
 }
 
 TEST_F(DatabaseTest, AServerThatIsKilledIsSaid) {

@@ -246,6 +246,16 @@ TEST_F(FolderRegistryTest, AFolderOfAnotherFormatIsRefused) {
   EXPECT_NE(ErrorOf([&] { Open(); }).find("is not the head of a registry"), std::string::npos);
 }
 
+TEST_F(FolderRegistryTest, AFileWhoseNumberIsNoVersionIsIgnored) {
+  const std::unique_ptr<Registry> registry = Create();
+  registry->Publish(Made("lab", 'a'));
+  const fs::path file = folder_ / "registry" / "versions" / "lab" / "9999999999.json";
+  ASSERT_TRUE(fs::exists(file.parent_path()));
+  WriteBytes(file, "{}");
+  EXPECT_EQ(registry->Versions("lab").size(), 1U);
+  EXPECT_EQ(registry->Publish(Made("lab", 'b')).number, 2);
+}
+
 TEST_F(FolderRegistryTest, AFolderThatIsNoRegistryIsLeftAlone) {
   EXPECT_NE(ErrorOf([&] { Open(); }).find("No such file"), std::string::npos);
   fs::create_directory(folder_ / "registry");
@@ -285,6 +295,39 @@ TEST_F(FolderRegistryTest, ADamagedManifestIsNamedAndTheOthersAreRead) {
   EXPECT_EQ(news.problems[0].name, "copy");
   EXPECT_NE(news.problems[0].message.find("is of another map"), std::string::npos);
   EXPECT_EQ(news.problems[1].name, "lab");
+}
+
+TEST_F(FolderRegistryTest, ADamagedStateIsReplaced) {
+  const auto publisher = Create();
+  publisher->Publish(Made("hall", 'b'));
+  const fs::path current = folder_ / "registry" / "current";
+  const fs::path state = current / "lab.json";
+  int number = 0;
+  for (const std::string& damage :
+       {std::string(), std::string("{\"retired\":"),
+        std::string("{\"retired\":false,\"version\":{}}"), ReadAll(current / "hall.json")}) {
+    EXPECT_EQ(publisher->Publish(Made("lab", 'a')).number, ++number);
+    EXPECT_EQ(publisher->Publish(Made("lab", 'c')).number, ++number);
+    WriteBytes(state, damage);
+    for (const std::string& error : {ErrorOf([&] { publisher->Rollback("lab", std::nullopt); }),
+                                     ErrorOf([&] { publisher->Retire("lab"); })}) {
+      EXPECT_NE(error.find("; publish the map again, or make one of its versions current "
+                           "(waystone rollback --version)"),
+                std::string::npos)
+          << error;
+    }
+    EXPECT_EQ(Current(Open()->Refresh()), (std::map<std::string, int>{{"hall", 1}}));
+    EXPECT_EQ(publisher->Publish(Made("lab", 'c')).number, ++number) << "it isn't known as current";
+    EXPECT_EQ(Current(Open()->Refresh()),
+              (std::map<std::string, int>{{"hall", 1}, {"lab", number}}));
+    WriteBytes(state, damage);
+    EXPECT_NE(ErrorOf([&] { publisher->Rollback("lab", 99); }, ErrorCode::kNotFound)
+                  .find("has no version 99"),
+              std::string::npos);
+    EXPECT_EQ(publisher->Rollback("lab", 2).number, 2);
+    EXPECT_EQ(Current(Open()->Refresh()), (std::map<std::string, int>{{"hall", 1}, {"lab", 2}}));
+  }
+  EXPECT_EQ(publisher->Versions("lab").size(), static_cast<size_t>(number));
 }
 
 // Permissions, or a network that failed for a moment, leave no trace in a file's stamp.

@@ -154,6 +154,19 @@ TEST_F(CoarseMapsTest, DamagedAndLyingEntriesAreRefusedByName) {
   EXPECT_NE(log().find("is the entry of another map"), std::string::npos) << log();
 }
 
+TEST_F(CoarseMapsTest, AnEntryThatWasDamagedInTheCacheIsFetchedAgain) {
+  const MapVersion hall = Publish("hall", 3);
+  Start();
+  EXPECT_TRUE(Until([&] { return Held().maps == 1; }));
+  maps_.reset();
+  const CoarseFile entry = *TraitsOf(hall).coarse;
+  std::ofstream(options_.cache / "coarse" / (entry.sha256.substr(7) + ".db"), std::ios::binary)
+      << std::string(static_cast<size_t>(entry.bytes), 'x');
+  Start();
+  EXPECT_TRUE(Until([&] { return Held().maps == 1; })) << log();
+  EXPECT_NE(log().find("the entry in the cache was damaged"), std::string::npos) << log();
+}
+
 TEST_F(CoarseMapsTest, EntriesBeyondTheMemoryAreLeftOut) {
   const MapVersion version = Publish("hall", 3);
   options_.memory_bytes = 4 * (4 * TraitsOf(version).coarse->bytes - 1);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 #include <string>
 
@@ -221,6 +222,31 @@ TEST(LocalizeRequest, UnknownQueryParametersAreNamed) {
   EXPECT_NE(refusal.find("unknown"), std::string::npos) << refusal;
   EXPECT_NE(refusal.find("foo"), std::string::npos) << refusal;
   EXPECT_NE(Refusal("image/jpeg", "bytes", {{"top_k", "many"}}).find("top_k"), std::string::npos);
+}
+
+TEST(LocalizeRequest, WhatIsKnownIsListedWhereItIsValid) {
+  const std::string url = Refusal("image/jpeg", "bytes", {{"foo", "abc"}});
+  const std::string json = Refusal("application/json", R"({"images":[{"data":""}],"foo":1})");
+  const std::string form = Refusal(kForm, Part("name=request", R"({"foo":1})") + "--B--");
+  const auto lists = [](const std::string& refusal, const std::string& name) {
+    const std::string known =
+        refusal.substr(std::min(refusal.find("; known"), refusal.size())) + ",";
+    return known.find(" " + name + ",") != std::string::npos;
+  };
+  for (const char* name : {"camera", "cx", "deadline_ms", "debug", "fov_deg", "top_k"}) {
+    for (const std::string& refusal : {url, json, form}) EXPECT_TRUE(lists(refusal, name)) << name;
+  }
+  for (const char* name : {"name", "prior_keyframe"}) {
+    EXPECT_TRUE(lists(url, name)) << url;
+    EXPECT_FALSE(lists(json, name)) << json;
+  }
+  for (const char* name : {"hints", "odometry", "previous", "prior"}) {
+    EXPECT_FALSE(lists(url, name)) << url;
+    EXPECT_TRUE(lists(json, name)) << json;
+    EXPECT_TRUE(lists(form, name)) << form;
+  }
+  EXPECT_TRUE(lists(json, "images")) << json;
+  EXPECT_FALSE(lists(form, "images")) << form;
 }
 
 }  // namespace

@@ -184,7 +184,7 @@ TEST_F(MapSearchTest, AnImageLikeNothingIsNotInAnyMap) {
   const SearchAnswer answer = Ask();
   const Answer& first = answer.answer.images.at(0).at(0);
   EXPECT_EQ(first.verdict, Verdict::kNotInMap);
-  EXPECT_NE(first.message.find("no map of the coarse index"), std::string::npos);
+  EXPECT_NE(first.message.find("no map in the coarse index"), std::string::npos);
   EXPECT_TRUE(answer.searched.empty());
   EXPECT_TRUE(source_.lots.empty());
 }

@@ -2,9 +2,7 @@
 #include "server/service/query_log.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -12,30 +10,11 @@
 
 #include "api/logged_query.h"
 #include "tests/api/read_queries.h"
+#include "tests/registry/file_size_limit.h"
 #include "tests/registry/test_folder.h"
 
 namespace waystone {
 namespace {
-
-// Files larger than a bound can't be written, as on a full disk, while this exists.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit = {bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  void (*handler_)(int);
-  rlimit before_ = {};
-};
 
 // `replay` reads the log of a disk that was full for a while.
 TEST(QueryLog, HasWholeQueriesAlone) {

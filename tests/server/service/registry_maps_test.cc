@@ -20,6 +20,7 @@
 #include "registry/store.h"
 #include "schema/file/map_store.h"
 #include "server/service/application.h"
+#include "tests/registry/file_size_limit.h"
 #include "tests/registry/test_folder.h"
 #include "tests/server/service/made_map.h"
 #include "tests/server/service/made_picture.h"
@@ -258,6 +259,29 @@ TEST_F(RegistryMapsTest, AVersionIsNotBlamedForTheOneBefore) {
   EXPECT_FALSE(HasLogged("version 2: ")) << log();
 }
 
+// A store that hangs is waited for once, not once for each map.
+TEST_F(RegistryMapsTest, MapsThatHangAreWaitedForTogether) {
+  const std::vector<std::string> names = {"hall", "lab", "shop", "yard"};
+  std::vector<fs::path> pipes;
+  for (const std::string& name : names) {
+    pipes.push_back(Stored(Publish(name, 3 + static_cast<int>(pipes.size()))));
+    fs::remove(pipes.back());
+    ASSERT_EQ(mkfifo(pipes.back().c_str(), 0600), 0);  // who opens it waits for a writer
+  }
+  options_.patience_s = 2;
+  Start();
+  const Clock::time_point start = Clock::now();
+  const std::vector<FoundMap> found = maps_->FindLot(names, std::nullopt);
+  EXPECT_LT(SecondsSince(start), 2 * options_.patience_s);
+  ASSERT_EQ(found.size(), names.size());
+  for (const FoundMap& one : found) EXPECT_EQ(one.finding, MapFinding::kLate) << one.name;
+  for (const fs::path& pipe : pipes) {
+    const int writer = open(pipe.c_str(), O_WRONLY);
+    fs::remove(pipe);
+    close(writer);
+  }
+}
+
 // What is damaged or away takes the other maps from nobody who asks all.
 TEST_F(RegistryMapsTest, AQueryOfAllMapsAsksThoseThatCanBeHad) {
   const MapVersion lab = Publish("lab", 3);
@@ -349,6 +373,64 @@ TEST_F(RegistryMapsTest, AFileThatWasDamagedInTheCacheIsFetchedAgain) {
       return false;
     }
   }));
+}
+
+// As docs/scaling.md says of deleting a map.
+TEST_F(RegistryMapsTest, AFileThatWasDeletedFromTheCacheIsFetchedAgain) {
+  const MapVersion lab = Publish("lab", 3);
+  options_.memory_bytes = 3 * Publish("hall", 4).bytes;  // for one of them
+  Start();
+  EXPECT_EQ(Planes("lab"), 3U);
+  EXPECT_EQ(Planes("hall"), 4U);
+  EXPECT_EQ(maps_->holdings().open, 1U);
+  ASSERT_TRUE(fs::remove(options_.cache / (lab.sha256.substr(7) + ".db")));
+  EXPECT_EQ(Planes("lab"), 3U);
+  EXPECT_EQ(Held().fetched_files, 3);
+  EXPECT_EQ(Held().refused, 0);
+}
+
+TEST_F(RegistryMapsTest, ACacheThatWasRemovedIsMadeAgain) {
+  Publish("hall", 4);
+  Publish("lab", 3);
+  Start();
+  EXPECT_EQ(Planes("hall"), 4U);
+  fs::remove_all(options_.cache);
+  EXPECT_EQ(Planes("hall"), 4U) << "open";
+  EXPECT_EQ(Planes("lab"), 3U);
+  maps_.reset();
+  fs::rename(folder_ / "registry", folder_ / "registry.away");
+  Start();
+  EXPECT_NE(log().find("serving what the cache knows of (maps: 2)"), std::string::npos) << log();
+  EXPECT_EQ(Planes("hall"), 4U);
+}
+
+// 503, whose cause with its path is in the log alone.
+TEST_F(RegistryMapsTest, ACacheThatCantBeWrittenIsSaidWithoutItsPath) {
+  const MapVersion lab = Publish("lab", 3);
+  Start();
+  {
+    const FileSizeLimit limit(static_cast<rlim_t>(lab.bytes - 1));
+    const std::string error = Failure("lab", ErrorCode::kNoRoom);
+    EXPECT_NE(error.find("map 'lab': the map's file can't be written: File too large, "),
+              std::string::npos)
+        << error;
+    EXPECT_EQ(error.find('/'), std::string::npos) << error;
+    const std::string part = (options_.cache / (lab.sha256.substr(7) + ".part")).string();
+    EXPECT_TRUE(Until([&] { return HasLogged(part + " can't be written: File too large"); }))
+        << log();
+    EXPECT_EQ(Failure("lab", ErrorCode::kNoRoom), error) << "also while it isn't tried again";
+  }
+  fs::remove_all(options_.cache);
+  WriteBytes(options_.cache, "in its place");
+  maps_->Refresh();
+  EXPECT_EQ(Failure("lab"), "map 'lab': it can't be opened now; the server's log says why");
+  EXPECT_EQ(InfoOf(ErrorCode::kNotReady).http_status, 503);
+  EXPECT_TRUE(Until([&] {
+    return HasLogged(options_.cache.string() + " can't be written: Not a directory");
+  })) << log();
+  fs::remove(options_.cache);
+  maps_->Refresh();
+  EXPECT_EQ(Planes("lab"), 3U);
 }
 
 TEST_F(RegistryMapsTest, GoesOnAndStartsWithoutRegistryAndStore) {
