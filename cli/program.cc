@@ -40,7 +40,7 @@ int Fail(const std::string& message, ErrorCode code) {
   return InfoOf(code).exit_code;
 }
 
-// What TBB throws, as a plain std::runtime_error, is told by its text alone.
+// What TBB throws, a plain std::runtime_error, can only be told by its text.
 int FailUnexpectedly(const std::string& cause) {
   if (cause.starts_with("pthread_create has failed")) {
     return Fail("cannot start a thread (" + cause +
@@ -50,7 +50,7 @@ int FailUnexpectedly(const std::string& cause) {
   return Fail("internal error: " + cause + "; please report it", ErrorCode::kInternal);
 }
 
-// CLI11's messages in the form of this program's, on one line.
+// CLI11's messages in this program's style, on one line.
 std::string UsageMessage(const CLI::App* app, const CLI::Error& error) {
   std::string cause = error.what();
   for (char& c : cause) {
@@ -82,8 +82,8 @@ void CheckValues(const CLI::App& app) {
   }
 }
 
-// CLI11 would only say that a command is required. Throws MapError (kUsage) when the first argument
-// is neither an option nor a command of ours.
+// CLI11 would only say that a command is required. Throws MapError(kUsage) when the first argument
+// is neither an option nor one of our commands.
 void CheckCommand(const CLI::App& app, int argc, char** argv) {
   const std::string word = argc > 1 ? argv[1] : "";
   if (word.starts_with('-') && word != "--") return CheckOption(app, word);
@@ -105,7 +105,7 @@ int ExitOfParse(CLI::App& app, const CLI::ParseError& error) {
   return app.exit(error) == 0 ? 0 : InfoOf(ErrorCode::kUsage).exit_code;
 }
 
-// The exit code once all output is written. Whoever reads it and wants no more may close the pipe.
+// The exit code, once all output is written. A reader that wants no more may close the pipe.
 int AfterWriting(PrintableOutput& output, int code) {
   const int error = output.Flush();
   if (code != 0 || error == 0 || error == EPIPE) return code;
@@ -162,7 +162,7 @@ int RunCommand(int argc, char** argv) {
   } catch (const MapError& error) {
     return Fail(error.what(), error.code());
   } catch (const std::bad_alloc&) {
-    return Fail("out of memory; end other programs, or use a machine with more memory",
+    return Fail("out of memory; close other programs or use a machine with more memory",
                 ErrorCode::kOutOfMemory);
   } catch (const std::filesystem::filesystem_error& error) {
     return Fail("'" + error.path1().string() + "' can't be used: " + error.code().message() +
@@ -176,7 +176,7 @@ int RunCommand(int argc, char** argv) {
 }  // namespace
 
 int RunProgram(int argc, char** argv) {
-  // A file that may not grow is an error of the write then, which says what is wrong.
+  // Writing to a file that may not grow then fails with an error that says so.
   std::signal(SIGXFSZ, SIG_IGN);
   PrintableOutput output(std::cout);
   const PrintableOutput errors(std::cerr);

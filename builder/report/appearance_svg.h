@@ -8,7 +8,7 @@
 namespace waystone {
 
 // The trajectory of a layer's panoramas from above, x to the right, y up, with its loops, as one
-// <svg>.
+// <svg>. Pure; thread-safe.
 std::string AppearanceSvg(const AppearanceLayer& layer);
 
 }  // namespace waystone

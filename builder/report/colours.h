@@ -8,7 +8,8 @@
 
 namespace waystone {
 
-// A surface's colour: always the same for an id, and far from those of the ids around it.
+// A surface's colour: always the same for an id, and far from those of the ids around it. Pure;
+// thread-safe.
 cv::Scalar ColourOf(PlaneId id);      // blue, green, red, 0 to 255
 std::string CssColourOf(PlaneId id);  // "#e05a10"
 

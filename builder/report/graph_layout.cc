@@ -25,7 +25,7 @@ using SquarePoint = Square::point_type;
 constexpr size_t kMostSprings = 400;
 // Share by which the springs' energy changes in a step when they count as at rest.
 constexpr double kAtRest = 1e-4;
-// Steps of the springs, a node: some graphs swing between two layouts for ever.
+// Steps of the springs per node: some graphs oscillate between two layouts forever.
 constexpr size_t kMostStepsPerNode = 1000;
 // Rounds of forces: their temperature falls to nothing over them.
 constexpr int kForceRounds = 200;

@@ -11,11 +11,12 @@
 
 namespace waystone {
 
-// What every report begins with, so that one is known as ours before it is replaced.
+// The beginning of every report, by which one is recognised as ours before it is replaced.
 inline constexpr std::string_view kReportStart =
     "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=generator content=waystone>\n";
 
-// The whole page. Pictures are looked for at ImageName() beside it.
+// The whole page. It refers to pictures at ImageName() beside it. Pure; thread-safe, as is
+// ImageName.
 std::string ReportHtml(const MapData& map, const BuildReport& report,
                        const std::vector<TableSize>& tables);
 

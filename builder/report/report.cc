@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "builder/report/report.h"
 
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -13,6 +15,7 @@
 #include "builder/report/overlay.h"
 #include "core/base/error.h"
 #include "core/image/encode.h"
+#include "schema/file/file_replacer.h"
 #include "schema/layers/planes/surfaces.h"
 
 namespace waystone {
@@ -22,14 +25,23 @@ namespace fs = std::filesystem;
 
 constexpr int kJpegQuality = 85;
 
-void Save(const fs::path& path, std::string_view bytes) {
+// Leaves nothing at `path` if it fails; `name` is for the message.
+void Save(const fs::path& path, const fs::path& name, std::string_view bytes) {
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out << bytes;
+  if (out.flush()) return;
+  const std::string cause = std::strerror(errno);
   out.close();
-  if (!out) {
-    throw MapError(ErrorCode::kFileUnwritable,
-                   path.string() + " can't be written; choose another folder or free up space");
-  }
+  std::error_code ignored;
+  fs::remove(path, ignored);
+  throw UnwritableError(name, cause, std::ssize(bytes));
+}
+
+// As a whole: an incomplete page would be taken for somebody else's.
+void SavePage(const fs::path& path, std::string_view bytes) {
+  FileReplacer file(path, true);
+  Save(file.temporary(), path, bytes);
+  file.Commit();
 }
 
 void MakeFolder(const fs::path& dir) {
@@ -63,7 +75,7 @@ void RemovePictures(const fs::path& images) {
   for (const fs::path& picture : old) fs::remove(picture, ignored);
 }
 
-// Makes the folders that are missing, and removes them again.
+// Creates the missing folders, and removes them again.
 void TryFolder(const fs::path& dir) {
   std::error_code ignored;
   std::vector<fs::path> missing;  // the innermost first
@@ -99,15 +111,17 @@ void CheckReportFolder(const fs::path& dir) {
 void WriteReport(const MapData& map, const BuildReport& report,
                  const std::vector<TableSize>& tables, const fs::path& dir) {
   CheckReportFolder(dir);
+  MakeFolder(dir);
+  SavePage(dir / "index.html",
+           ReportHtml(map, report, tables));  // first: the folder is ours from now on
   MakeFolder(dir / "images");
-  Save(dir / "index.html",
-       ReportHtml(map, report, tables));  // first: the folder is ours from now on
   RemovePictures(dir / "images");
   const std::vector<PlaneId> surface_of_plane = FindSurfaces(map.planes, map.edges);
   for (const Keyframe& keyframe : map.keyframes) {
     const std::vector<uint8_t> jpeg =
         EncodeJpeg(DrawPlanes(map, surface_of_plane, keyframe), kJpegQuality);
-    Save(dir / ImageName(keyframe.id), {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+    const fs::path picture = dir / ImageName(keyframe.id);
+    Save(picture, picture, {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
   }
 }
 

@@ -10,13 +10,14 @@
 
 namespace waystone {
 
-// Throws MapError: kFileExists for what is no folder, or for one that has an index.html or images/
-// which aren't those of an earlier report, since a report must not replace photos; kFileUnwritable
-// for a folder that can't be made. For asking before an hour of work.
+// Throws MapError: kFileExists for a path that isn't a folder, or for a folder whose index.html or
+// images/ isn't that of an earlier report, since a report must not replace photos; kFileUnwritable
+// for a folder that can't be made. Meant to be called before an hour of work. Thread-safe for
+// different folders, as WriteReport.
 void CheckReportFolder(const std::filesystem::path& dir);
 
 // Writes a page about a map into `dir`, which is made if it isn't there: index.html, which needs
-// nothing from elsewhere, and images/, one picture a keyframe with its planes drawn over it in
+// nothing from elsewhere, and images/, one picture per keyframe with its planes drawn over it in
 // their colours (the paper's figures 2 and 3), beside the graph of surfaces (figure 4), the list of
 // planes, and what the build counted; of the other layers the trajectory of the panoramas and the
 // pictures of orientation_svg.h. Files of an earlier report are replaced, and its other pictures

@@ -17,12 +17,13 @@ struct Surface {
   size_t features = 0;  // of them all
 };
 
-// The graph of planes with the planes of one surface as one node.
+// The graph of planes with the planes of one surface merged into one node.
 struct SurfaceGraph {
   std::vector<Surface> surfaces;                  // by id
   std::vector<std::pair<size_t, size_t>> edges;   // rows of `surfaces`, each pair once, ascending
   std::unordered_map<PlaneId, PlaneId> of_plane;  // the surface of each plane
 };
+// Pure; thread-safe.
 SurfaceGraph SurfacesOf(const MapData& map);
 
 }  // namespace waystone

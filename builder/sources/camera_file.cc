@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Names that the formats give the same thing.
+// Names of the same thing in different formats.
 constexpr Names kWidth = {"image_width", "image_Width", "width"};
 constexpr Names kHeight = {"image_height", "image_Height", "height"};
 constexpr Names kMatrix = {"camera_matrix", "Camera_Matrix", "K", "k"};
@@ -62,7 +62,7 @@ Camera Fisheye(const CameraSection& file, Camera camera, const std::vector<doubl
   return camera;
 }
 
-// By what ROS, Kalibr and EuRoC call the distortion.
+// By the distortion's name in ROS, Kalibr and EuRoC.
 Camera Distorted(const CameraSection& file, Camera camera, const std::string& kind,
                  const std::vector<double>& distortion) {
   static constexpr std::array<std::string_view, 6> kRadial{
@@ -114,7 +114,7 @@ Camera ReadKalibrCamera(const CameraSection& file) {
   return Distorted(file, camera, file.Text("distortion_model"), distortion);
 }
 
-// Distortion that the file gives and the model lacks would silently be left out.
+// Distortion that the file gives but the model lacks would silently be ignored.
 void RefuseStrayParameters(const CameraSection& file, const std::vector<std::string>& used,
                            const std::string& model) {
   for (const char* name : {"k", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
@@ -138,7 +138,7 @@ Camera ReadOwnCamera(const CameraSection& file) {
       .model = *model, .width = file.Size(kWidth), .height = file.Size(kHeight), .params = {}};
   std::vector<std::string> used = Words(ParameterNames(*model));
   for (std::string& parameter : used) {
-    // One focal length or coefficient may bear the name it has where there are several.
+    // A single focal length or coefficient may have the name of the first of several.
     if (parameter == "f" && !file.Has({"f"}) && file.Has({"fx"})) parameter = "fx";
     if (parameter == "k" && !file.Has({"k"}) && file.Has({"k1"})) parameter = "k1";
     camera.params.push_back(file.Number({parameter.c_str()}));
@@ -147,10 +147,9 @@ Camera ReadOwnCamera(const CameraSection& file) {
   return camera;
 }
 
-// OpenCV writes "%YAML:1.0", which is no directive of YAML's; the line stays, empty, so that line
-// numbers keep.
-std::string WithoutDirectives(const std::vector<uint8_t>& bytes) {
-  std::string text(bytes.begin(), bytes.end());
+// OpenCV writes "%YAML:1.0", which isn't a valid YAML directive; the line is emptied but kept, so
+// that line numbers stay right.
+std::string WithoutDirectives(std::string text) {
   for (size_t line = 0; line < text.size();) {
     const size_t end = std::min(text.find('\n', line), text.size());
     if (text[line] == '%') std::fill(text.begin() + line, text.begin() + end, ' ');
@@ -174,7 +173,7 @@ Camera ReadCameraSection(const CameraSection& file) {
 
 CameraSection OpenCameraYaml(const fs::path& path) {
   constexpr int64_t kMaxBytes = 1 << 20;  // a calibration has a few kilobytes
-  const std::string text = WithoutDirectives(ReadFile(path, kMaxBytes, ErrorCode::kBadCamera));
+  const std::string text = WithoutDirectives(ReadText(path, kMaxBytes, ErrorCode::kBadCamera));
   const CameraSection nothing(path, {});
   if (text.starts_with('<')) nothing.Refuse("it is XML, which is not supported; save it as YAML");
   try {

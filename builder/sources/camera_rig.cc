@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether a rig's cameras are faces of 90 degrees, which see panoramas together.
+// Whether a rig's cameras are faces of 90 degrees, which together give panoramas.
 bool IsCube(const Rig& rig) {
   constexpr double kSamePose = 1e-6;
   constexpr double kSameShare = 1e-3;  // of the width
@@ -32,8 +32,8 @@ bool IsCube(const Rig& rig) {
   return true;
 }
 
-// The rig in the frame of its first camera, whose images are the frames: what all cameras together
-// say of a frame's rotation holds for its image.
+// The rig in the frame of its first camera, whose images are the frames: the rotation that all
+// cameras together give then holds for its image.
 Rig InFrameOfFirst(Rig rig) {
   const Eigen::Isometry3d first_from_rig = rig.cameras.front().rig_from_camera.inverse();
   for (RigCamera& camera : rig.cameras) {
@@ -42,8 +42,8 @@ Rig InFrameOfFirst(Rig rig) {
   return rig;
 }
 
-// The moments of a calibrated rig. Its first camera's images are the frames; the others are there
-// for whoever asks for all of them (Source::faces).
+// The moments of a calibrated rig. Its first camera's images are the frames; the others are
+// available as well (Source::faces).
 class CameraRigSource : public Source {
  public:
   CameraRigSource(const fs::path& folder, RigSequence sequence, const SourceOptions& options)

@@ -15,12 +15,13 @@
 #include "core/base/text.h"
 #include "core/camera/camera.h"
 
-// What camera files and rig files have in common: inside builder/sources only.
+// What camera files and rig files have in common: internal to builder/sources. Functions are
+// thread-safe, a CameraSection is not.
 namespace waystone {
 
 using Names = std::initializer_list<const char*>;
 
-// A mapping of a camera file that names the file and the key in what it throws.
+// A mapping in a camera file, whose errors name the file and the key.
 class CameraSection {
  public:
   CameraSection(const std::filesystem::path& path, const YAML::Node& node)
@@ -67,7 +68,7 @@ class CameraSection {
     return numbers;
   }
 
-  // How many keys start like this.
+  // How many keys start with `prefix`.
   int CountPrefixed(const std::string& prefix) const {
     int count = 0;
     for (const auto& item : node_) {
@@ -106,7 +107,7 @@ class CameraSection {
     return numbers;
   }
 
-  // "a b c"; "none" where it is no mapping.
+  // "a b c"; "none" where it isn't a mapping.
   std::string Keys() const {
     constexpr size_t kShown = 8;
     if (!node_.IsMap()) return "none";
@@ -158,7 +159,7 @@ class CameraSection {
   YAML::Node node_;
 };
 
-// One camera from its keys, in any of the formats that ReadCameraFile names but COLMAP's.
+// One camera from its keys, in any of ReadCameraFile's formats except COLMAP's.
 Camera ReadCameraSection(const CameraSection& file);
 
 // Opens a YAML file, OpenCV's directives included, whose top is a mapping. Throws

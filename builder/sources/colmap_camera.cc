@@ -11,7 +11,7 @@
 namespace waystone {
 namespace {
 
-constexpr size_t kFirstParameter = 4;  // behind id, model, width and height
+constexpr size_t kFirstParameter = 4;  // after id, model, width and height
 
 constexpr int kNoLine = 0;  // of a binary file
 
@@ -35,7 +35,7 @@ void RequireOne(const std::filesystem::path& path, int line, uint64_t cameras) {
              " cameras; provide a file with only the camera of these images");
 }
 
-// What doesn't fit an int is no size of an image: CheckCamera says so.
+// A value that doesn't fit an int isn't a valid image size: CheckCamera refuses it.
 int ToSide(uint64_t side) { return static_cast<int>(std::min<uint64_t>(side, INT32_MAX)); }
 
 bool IsModelName(std::string_view word) {

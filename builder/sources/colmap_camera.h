@@ -5,10 +5,10 @@
 
 #include "core/camera/camera.h"
 
-// COLMAP's cameras.txt and cameras.bin: inside builder/sources only.
+// COLMAP's cameras.txt and cameras.bin: internal to builder/sources. Thread-safe.
 namespace waystone {
 
-// Whether the file is called .bin or its first line that says something reads like
+// Whether the file's name ends in .bin or its first line that isn't empty or a comment reads like
 // "1 PINHOLE 640 480 ...".
 // Throws MapError(kBadCamera) when the file can't be read.
 bool LooksLikeColmap(const std::filesystem::path& path);

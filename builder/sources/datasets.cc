@@ -34,13 +34,13 @@ void RefuseEmptyList(const fs::path& file, const ImageList& list) {
   throw MapError(ErrorCode::kBadSource, Quoted(file) + " lists no images");
 }
 
-// ToNumber takes "nan" and "inf" as well.
+// ToNumber also accepts "nan" and "inf".
 std::optional<double> ToFinite(std::string_view word) {
   const std::optional<double> number = ToNumber(word);
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
-// Time stamps of a KITTI sequence, one a line; none when the file isn't there.
+// Time stamps of a KITTI sequence, one per line; none when the file is missing.
 std::vector<double> ReadKittiTimes(const fs::path& file) {
   std::vector<double> times;
   if (!Exists(file)) return times;
@@ -73,7 +73,7 @@ Camera ReadKittiCamera(const fs::path& file, const std::string& key) {
                  Quoted(file) + " has no line '" + key + ":'; add it or use --camera");
 }
 
-// Lists come with other people's data: what lies elsewhere isn't theirs to name.
+// Lists come with other people's data and must not name files elsewhere.
 bool LiesInside(const fs::path& path) {
   const fs::path normal = path.lexically_normal();
   return path.is_relative() && normal.begin() != normal.end() && *normal.begin() != "..";

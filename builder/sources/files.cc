@@ -50,9 +50,16 @@ std::vector<uint8_t> ReadImageFile(const fs::path& path, const DecodeLimits& lim
   return ReadFile(path, limits.max_pixels * kPixelBytes + kOtherBytes, code);
 }
 
+std::string ReadText(const fs::path& path, int64_t max_bytes, ErrorCode code) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  const std::vector<uint8_t> bytes = ReadFile(path, max_bytes, code);
+  std::string text(bytes.begin(), bytes.end());
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  return text;
+}
+
 std::vector<TextLine> ReadLines(const fs::path& path, ErrorCode code) {
-  const std::vector<uint8_t> bytes = ReadFile(path, kMaxTextBytes, code);
-  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
+  std::istringstream stream(ReadText(path, kMaxTextBytes, code));
   std::vector<TextLine> lines;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kImagesFolder = "images";
 
-// What a folder or a pattern holds: images, and what else there is for the message.
+// The contents of a folder or pattern: images, and for the message what else there is.
 struct Contents {
   std::vector<ListedImage> images;  // in natural order
   std::vector<std::string> folders;
@@ -25,7 +25,7 @@ struct Contents {
 };
 
 // `path` is relative to `root`. Hidden files are neither images (a Mac writes a ._x.jpg beside
-// every x.jpg on foreign disks) nor worth a mention.
+// every x.jpg on foreign disks) nor worth mentioning.
 void Add(Contents& contents, const fs::path& root, const fs::path& path) {
   if (path.filename().string().starts_with('.')) return;
   std::error_code ignored;
@@ -90,7 +90,7 @@ std::vector<std::string> Matches(const std::string& pattern) {
   return paths;
 }
 
-// "~" and "~user" as the matches have them: the home directory.
+// "~" and "~user" expanded to the home directory, as in the matches.
 fs::path Expanded(const fs::path& part) {
   if (!part.string().starts_with('~')) return part;
   const std::vector<std::string> homes = Matches(part.string());
@@ -125,7 +125,7 @@ ImageList ListFolder(const fs::path& folder) {
   Contents contents = ListContents(folder);
   const fs::path inner = folder / kImagesFolder;
   std::error_code ignored;
-  // A folder with a camera and images/ is a walk with its truth: pictures beside it are no frames.
+  // A folder with a camera and images/ is a walk with its truth: pictures beside it aren't frames.
   const bool use_inner = fs::is_directory(inner, ignored) &&
                          (contents.images.empty() || fs::exists(folder / kCameraFile, ignored));
   if (use_inner) {

@@ -56,7 +56,7 @@ class ImageListSource : public Source {
   }
 
  private:
-  // Size of the first frame whose file is sound as far as its header tells.
+  // Size of the first frame whose header is valid.
   cv::Size SizeOfFirst() const {
     std::string first_error;
     for (int i = range_.first; i <= range_.last; i += range_.every) {

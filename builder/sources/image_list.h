@@ -10,7 +10,8 @@
 
 #include "builder/sources/source.h"
 
-// What folders, globs and the datasets have in common: a list of image files.
+// What folders, globs and the datasets have in common: a list of image files. Functions are
+// thread-safe.
 namespace waystone {
 
 struct ListedImage {
@@ -24,16 +25,16 @@ struct ImageList {
   std::string name;   // Source::name()
   std::filesystem::path root;
   std::vector<ListedImage> images;
-  // Reads the source's own calibration, where it brings one and no other is asked for. A width and
-  // height of 0 mean those of the images.
+  // Reads the source's own calibration, where it has one and no other is given. A width and height
+  // of 0 mean those of the images.
   std::function<Camera()> own_camera;
 };
 
-// The part of the list that the options name. Throws MapError(kBadSource) when none of it can be
-// read, and kBadCamera when the camera is for images of another size.
+// Opens the part of the list that the options select. Throws MapError(kBadSource) when none of it
+// can be read, and kBadCamera when the camera is for images of another size.
 std::unique_ptr<Source> OpenImageList(ImageList list, const SourceOptions& options);
 
-// Frame numbers that the options take from a source of `frames` frames, for all kinds of source.
+// Frame numbers that the options select from a source of `frames` frames, for all kinds of source.
 // Throws MapError(kBadSource) when that is none; `path` is for the message.
 struct FrameRange {
   int first = 0;

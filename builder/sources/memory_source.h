@@ -20,7 +20,7 @@ struct MemorySequence {
   cv::Size frame_size = {};  // px; 0 by 0 where it isn't known
 };
 
-// Gives the frames of such a sequence. As Source.
+// Gives the frames of such a sequence. Not thread-safe, as Source.
 class MemorySource : public Source {
  public:
   explicit MemorySource(MemorySequence sequence) : sequence_(std::move(sequence)) {}

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How far a written rotation may be from one: files have few digits.
+// How far a written rotation may be from a true one: files have few digits.
 constexpr double kMaxRotationError = 1e-3;
 
 Eigen::Isometry3d Pose(const CameraSection& file, const Eigen::Matrix3d& rotation,

@@ -24,8 +24,8 @@ constexpr const char* kOneMoment = "one moment";
 
 bool IsHidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
-// The entries of a folder that are folders, or images, by name. An image that can't be looked at (a
-// link that leads nowhere) is one that can't be read later on.
+// The entries of a folder that are folders, or images, by name. An entry that can't be examined (a
+// dangling link) counts as an image that can't be read later on.
 std::vector<fs::path> Entries(const fs::path& folder, bool folders) {
   std::vector<fs::path> paths;
   std::error_code ignored;
@@ -94,7 +94,7 @@ std::optional<CameraImages> FindByMoment(const std::vector<fs::path>& folders,
   throw MapError(ErrorCode::kBadSource, Quoted(folder) + ": " + cause);
 }
 
-// Seconds that a file's name stands for: nanoseconds as EuRoC has them, or seconds with a point.
+// The time in a file's name, in seconds: nanoseconds as in EuRoC, or seconds with a decimal point.
 std::optional<double> TimeOf(const fs::path& path) {
   constexpr size_t kNanosecondDigits = 16;
   const std::string name = path.stem().string();
@@ -111,7 +111,7 @@ bool AllTimed(const std::vector<std::vector<NamedImage>>& images) {
   });
 }
 
-// A camera's images by time: where the first of each time is in its list.
+// A camera's images by time: the index of the first image of each time in its list.
 using Timeline = std::map<double, size_t>;
 
 Timeline TimelineOf(const std::vector<NamedImage>& list) {
@@ -120,7 +120,7 @@ Timeline TimelineOf(const std::vector<NamedImage>& list) {
   return timeline;
 }
 
-// The image nearest in time, the earlier one of the list where two are.
+// The image nearest in time, the earlier one in the list if there are two.
 std::pair<double, size_t> Nearest(const Timeline& timeline, double time_s) {
   const auto gap_and_place = [&](Timeline::const_iterator at) {
     return std::pair(std::abs(at->first - time_s), at->second);
@@ -131,8 +131,8 @@ std::pair<double, size_t> Nearest(const Timeline& timeline, double time_s) {
   return after == timeline.end() ? before : std::min(before, gap_and_place(after));
 }
 
-// Each image of the first camera with those of the others that are nearest in time; moments that
-// lack one are left out.
+// Each image of the first camera with those of the others nearest in time; moments that lack one
+// are left out.
 std::vector<RigMoment> ByTime(const std::vector<std::vector<NamedImage>>& images,
                               const fs::path& folder, double max_gap_s) {
   std::vector<Timeline> timelines;

@@ -8,7 +8,7 @@
 
 #include "builder/sources/rig_source.h"
 
-// How folders hold a rig's images: inside builder/sources only.
+// How folders hold a rig's images: internal to builder/sources. Thread-safe.
 namespace waystone {
 
 struct NamedImage {
@@ -20,7 +20,7 @@ struct NamedImage {
 struct CameraImages {
   std::string layout;
   std::vector<std::string> cameras;
-  std::vector<std::vector<NamedImage>> images;  // a camera, in natural order
+  std::vector<std::vector<NamedImage>> images;  // of each camera, in natural order
 };
 
 // The rig of a folder: `rig_file` where it is given, else rig.yaml in or beside the folder; nothing
@@ -28,8 +28,8 @@ struct CameraImages {
 std::optional<Rig> RigOfFolder(const std::filesystem::path& folder,
                                const std::optional<std::filesystem::path>& rig_file);
 
-// Looks for images of cameras of these names, in folders or files that are called like them.
-// Nothing when there is none of them; cameras that aren't there are left out.
+// Looks for images of cameras with these names, in folders or files that are named after them.
+// Nothing when there are none; missing cameras are left out.
 std::optional<CameraImages> FindCameraImages(const std::filesystem::path& folder,
                                              const std::vector<std::string>& names);
 
@@ -38,7 +38,7 @@ std::optional<CameraImages> FindCameraImages(const std::filesystem::path& folder
 std::vector<RigMoment> GroupMoments(const CameraImages& found, const Rig& rig,
                                     const std::filesystem::path& folder, double max_time_gap_s);
 
-// A folder's images, or those of images/ in it, a moment each.
+// A folder's images, or those of images/ in it, one moment each.
 std::vector<RigMoment> ListMoments(const std::filesystem::path& folder);
 
 }  // namespace waystone

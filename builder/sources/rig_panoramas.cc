@@ -43,7 +43,7 @@ cv::Mat JoinFaces(const FacePaths& paths, const std::vector<cv::Mat>& images) {
   return FromFaces(faces).grey;
 }
 
-// The faces of six (or four, or five) cameras as the panoramas that they see together.
+// Panoramas joined from the faces of six (or four, or five) cameras.
 class RigPanoramaSource : public Source {
  public:
   RigPanoramaSource(const fs::path& folder, CameraImages found, const SourceOptions& options)
@@ -89,14 +89,14 @@ class RigPanoramaSource : public Source {
         }
         return rig;
       } catch (const MapError&) {
-        continue;  // the frame is told when it is decoded
+        continue;  // reported when the frame is decoded
       }
     }
     return std::nullopt;
   }
 
  private:
-  // By face, as rigs have their cameras.
+  // By face, in the order of rigs' cameras.
   FacePaths PathsOf(int frame) const {
     const std::vector<std::string> names = FaceNames();
     FacePaths paths;

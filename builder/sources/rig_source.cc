@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRigFile = "rig.yaml";
 
-// The first of these files that is there.
+// The first of these files that exists.
 std::optional<fs::path> FirstThere(const std::vector<fs::path>& files) {
   std::error_code ignored;
   for (const fs::path& file : files) {
@@ -72,7 +72,7 @@ bool IsPanorama(const Rig& rig) {
   return rig.cameras.size() == 1 && rig.cameras[0].camera.model == CameraModel::kEquirectangular;
 }
 
-// Images in a row: panoramas become faces, others need their one camera.
+// A list of images: panoramas become faces, others need their one camera.
 RigSequence FromImages(const fs::path& path, std::vector<RigMoment> moments,
                        const std::optional<Rig>& given, const RigOptions& options) {
   const ImageHeader first = ReadFileHeader(moments.front().images.front(), options.limits);

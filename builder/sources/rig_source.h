@@ -23,7 +23,8 @@ namespace waystone {
 //         rig_from_camera_xyzw: [0, 0, 0, 1] # rotation of x_rig = R x_camera + t
 //         rig_from_camera_m: [0, 0, 0]       # t; may be left out
 //   a camera file of any kind that ReadCameraFile knows: a rig of one.
-// Throws MapError(kBadCamera) with the file, the camera and what to do.
+// Throws MapError(kBadCamera) with the file, the camera and what to do. Thread-safe, as all
+// functions here.
 Rig ReadRigFile(const std::filesystem::path& path);
 
 // Whether a file describes a rig rather than one camera: Kalibr's with a second camera, or our own
@@ -34,7 +35,7 @@ bool HasSeveralCameras(const std::filesystem::path& path);
 struct RigMoment {
   std::string source;  // relative to the sequence: "017", "000012.jpg"
   std::optional<double> time_s;
-  std::vector<std::filesystem::path> images;  // one a camera; for a panorama the one image
+  std::vector<std::filesystem::path> images;  // one per camera; for a panorama the one image
 };
 
 // A rig's images in order.
@@ -54,15 +55,14 @@ struct RigOptions {
 
   static constexpr int kUnlistedMembers = 1;  // rig_file, which is there or not
   static constexpr auto Fields(const auto& use) {
-    return use(
-        OptionField{"max_time_gap_s", &RigOptions::max_time_gap_s, Closed(0, 10), "s",
-                    "Parallel folders whose files are named by time stamps: images up to this far "
-                    "apart belong to one moment. Higher pairs images of cameras that aren't "
-                    "triggered together."},
-        OptionField{"face_share", &RigOptions::face_share, Closed(0.05, 1), "",
-                    "Width of the faces that a panorama becomes, as a share of its width. A "
-                    "quarter is as sharp as the panorama at the horizon."},
-        OptionGroup{"limits", &RigOptions::limits});
+    return use(OptionField{"max_time_gap_s", &RigOptions::max_time_gap_s, Closed(0, 10), "s",
+                           "For parallel folders whose files are named by time stamps: images up "
+                           "to this far apart belong to one moment. Higher values pair images of "
+                           "cameras that aren't triggered together."},
+               OptionField{"face_share", &RigOptions::face_share, Closed(0.05, 1), "",
+                           "Width of the faces into which a panorama is split, as a share of its "
+                           "width. A quarter is as sharp as the panorama at the horizon."},
+               OptionGroup{"limits", &RigOptions::limits});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -74,14 +74,14 @@ struct RigOptions {
 //   one file a camera (front.jpg, back.jpg)                                    one moment
 //   images, and a camera                                                       a rig of one
 //   images, and an equirectangular camera or none and twice as wide as high    panoramas: six faces
-// A single image file is a sequence of one. Without a rig file, folders or files that are called
-// front, right, back, left and perhaps up and down are faces of 90 degrees (CubeRig).
+// A single image file is a sequence of one. Without a rig file, folders or files named front,
+// right, back, left and perhaps up and down are faces of 90 degrees (CubeRig).
 // Throws MapError: kBadOptions; kBadSource for folders of different lengths, a missing image of a
-// camera, or nothing of all this; kBadCamera for a rig file that doesn't fit.
+// camera, or none of these layouts; kBadCamera for a rig file that doesn't fit.
 RigSequence OpenRigSequence(const std::filesystem::path& path, const RigOptions& options = {});
 
-// The images of a moment, one a camera (CV_8UC1). Throws MapError(kBadImage, kImageTooLarge,
-// kFileUnreadable), naming the file, also for an image that hasn't its camera's size. Thread-safe.
+// The images of a moment, one per camera (CV_8UC1). Throws MapError(kBadImage, kImageTooLarge,
+// kFileUnreadable), naming the file, also for an image that doesn't have its camera's size.
 std::vector<cv::Mat> ReadMoment(const RigSequence& sequence, const RigMoment& moment,
                                 const DecodeLimits& limits = {});
 

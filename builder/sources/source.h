@@ -33,28 +33,28 @@ struct Frame {
   std::string error;  // then: why, in one line
 };
 
-// A frame that is listed but not decoded yet: what NextEncoded() gives one after the other, and
-// what worker threads turn into pixels. A frame of a file holds the path alone (reading is part of
-// Decode); a frame of a video holds its colours, since a video is decoded in order. Copies are
-// cheap and share what they hold; it may outlive its Source.
+// A frame that is listed but not decoded yet: NextEncoded() returns these one after the other, and
+// worker threads decode them. A frame of a file holds only the path (reading is part of Decode); a
+// frame of a video holds its colours, since a video is decoded in order. Copies are cheap and share
+// what they hold; it may outlive its Source.
 class EncodedFrame {
  public:
   // `load` gives a CV_8UC1 image or throws MapError; it may be called from any thread.
   EncodedFrame(FrameInfo info, std::function<cv::Mat()> load);
-  // A frame that is joined from the images of a rig's cameras (Source::faces()): `load` gives them,
-  // one a camera.
+  // A frame that is joined from the images of a rig's cameras (Source::faces()): `load` returns
+  // them, one per camera.
   EncodedFrame(FrameInfo info, std::function<std::vector<cv::Mat>()> load,
                std::function<cv::Mat(const std::vector<cv::Mat>&)> join);
 
   const FrameInfo& info() const { return info_; }
-  // The images that the frame is made of: one a camera of Source::faces(), or the frame itself. Any
-  // thread. Throws MapError for one that can't be read.
+  // The images of which the frame consists: one per camera of Source::faces(), or the frame itself.
+  // Any thread. Throws MapError for one that can't be read.
   std::vector<cv::Mat> Load() const { return load_(); }
-  // The frame of these images (CV_8UC1). Throws MapError.
+  // Joins these images into the frame (CV_8UC1). Any thread. Throws MapError.
   cv::Mat Join(const std::vector<cv::Mat>& images) const { return join_(images); }
   // Loads and joins; without `join` Frame::grey stays empty. Any thread, any number of times. A
-  // frame that can't be decoded, is missing, or has another size than the first one comes with its
-  // error; nothing is thrown for it.
+  // frame that can't be decoded, is missing, or differs in size from the first one is returned with
+  // its error; nothing is thrown for it.
   Frame Decode(bool join = true) const;
 
  private:
@@ -87,7 +87,8 @@ struct SourceOptions {
 
 // A sequence of images in order: a folder, a glob, a video, TUM RGB-D, KITTI odometry, EuRoC, the
 // panoramas of a rig.
-// Sequential: NextEncoded() gives frame after frame. Not thread-safe; what it gives is.
+// Sequential: NextEncoded() returns frame after frame. Not thread-safe; the frames that it returns
+// are.
 class Source {
  public:
   virtual ~Source() = default;
@@ -98,20 +99,20 @@ class Source {
                                                 // for videos, whose headers may be wrong)
   // For images of the size of the source's frames.
   virtual const std::optional<Camera>& camera() const = 0;
-  // Of the source's frames, px; 0 by 0 where it can't be told without decoding one.
+  // Of the source's frames, px; 0 by 0 where it isn't known without decoding one.
   virtual cv::Size frame_size() const { return {}; }
-  // The cameras whose images its frames are joined from, or whose first one's images they are
-  // ("cameras"); nothing for frames that are images.
+  // The cameras of a rig: frames are joined from their images, or are those of the first one (kind
+  // "cameras"); nothing for a source without a rig.
   virtual std::optional<Rig> faces() const { return std::nullopt; }
-  // "TUM sequence, 1000 frames 640x480": what was recognised; with ", 100 used" behind it
-  // when options leave some out.
+  // "TUM sequence, 1000 frames 640x480": what was recognised; followed by ", 100 used" when options
+  // leave some out.
   virtual std::string Announcement() const = 0;
 
   // The next frame, or nothing at the end. Cheap for files; for a video this is where it is
   // decoded.
   virtual std::optional<EncodedFrame> NextEncoded() = 0;
 
-  // The next frame, decoded, or nothing at the end: for those who don't mind the wait.
+  // The next frame, decoded, or nothing at the end: for callers that can wait.
   std::optional<Frame> Next();
 };
 
@@ -132,7 +133,8 @@ class Source {
 //   a video                                    whatever FFmpeg opens; not turned upright
 // Throws MapError: kBadOptions; kBadSource when `path` is none of these or no frame of it can be
 // read, with what was found there and what to do; kBadCamera for a camera file that can't be read
-// or is for images of another size; kFileUnreadable for a folder without permission.
+// or is for images of another size; kFileUnreadable for a folder without permission. Thread-safe,
+// except for patterns (glob(3) isn't).
 std::unique_ptr<Source> OpenSource(const std::string& path, const SourceOptions& options);
 
 // Reads one camera file, recognising by their keys: OpenCV's YAML (`camera_matrix`), ROS
@@ -142,7 +144,7 @@ std::unique_ptr<Source> OpenSource(const std::string& path, const SourceOptions&
 //   image_width: 640
 //   image_height: 480
 //   fx: 515.0                      # and so on: the model's parameters by name
-// Throws MapError(kBadCamera) with the file, the key or line, and what to do.
+// Throws MapError(kBadCamera) with the file, the key or line, and what to do. Thread-safe.
 Camera ReadCameraFile(const std::filesystem::path& path);
 
 }  // namespace waystone

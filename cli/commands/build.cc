@@ -55,7 +55,7 @@ void PrintSummary(const MapBuildFlags& flags, const BuildResult& result) {
   }
 }
 
-// What people gave to the map that is replaced.
+// What people added to the map that is replaced.
 struct GivenToOldMap {
   std::optional<std::string> names;
   std::optional<KeptPlans> plans;
@@ -67,7 +67,7 @@ GivenToOldMap ReadOldMap(const std::string& path) {
     return {NamesOfOldMap(path), PlansOfOldMap(path)};
   } catch (const MapError& error) {
     std::cerr << "waystone: the new map won't have the names and floor plans of the old one, if "
-                 "there are any, unless you stop now and put a backup in its place: "
+                 "it has any, unless you stop now and restore a backup: "
               << Printable(error.what()) << '\n';
     return {};
   }
@@ -103,13 +103,23 @@ void CheckReport(const MapBuildFlags& flags) {
   CheckReportFolder(flags.report_folder);
 }
 
+// After the map is written.
+void WriteMapReport(const MapBuildFlags& flags, const BuildResult& result) {
+  try {
+    WriteReport(result.map, result.report, TableSizes(flags.output), flags.report_folder);
+  } catch (const MapError& error) {
+    throw MapError(error.code(), "the map was written to " + flags.output +
+                                     ", but not its report: " + error.what());
+  }
+}
+
 int RunBuild(const MapBuildFlags& flags) {
   EndAtInterrupts();
   const WriteOptions write{.overwrite = flags.force};
   const BuildOptions options = MakeBuildOptions(flags.build, MapNameOf(flags.output));
   CheckWritable(flags.output, write);
   if (!flags.report_folder.empty()) CheckReport(flags);
-  const MapLock lock(flags.output);  // names that it gets meanwhile would be lost
+  const MapLock lock(flags.output);  // names added meanwhile would be lost
   const GivenToOldMap old = ReadOldMap(flags.output);
   BuildResult result = BuildFrom(flags, options);
   if (!CanAnswer(result)) return ReportNoPlanes(result.map);
@@ -117,9 +127,7 @@ int RunBuild(const MapBuildFlags& flags) {
   if (old.names) KeepOldNames(*old.names, flags.output, result.map);
   if (old.plans) KeepOldPlans(*old.plans, flags.output, result.map);
   WriteMap(result.map, flags.output, write);
-  if (!flags.report_folder.empty()) {
-    WriteReport(result.map, result.report, TableSizes(flags.output), flags.report_folder);
-  }
+  if (!flags.report_folder.empty()) WriteMapReport(flags, result);
   PrintSummary(flags, result);
   return 0;
 }

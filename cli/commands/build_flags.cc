@@ -11,8 +11,9 @@
 namespace waystone {
 namespace {
 
-// BuildOptions has the size for SIFT, which also looks at an image of twice the size where a plain
-// one gives too little; ORB and AKAZE don't, and find less in so few pixels (docs/design.md).
+// BuildOptions has the size for SIFT, which also looks at an image of twice the size where the
+// plain one yields too few features; ORB and AKAZE don't, and find fewer in so few pixels
+// (docs/design.md).
 int DefaultWorkingPixels(FeatureType type) {
   const int of_sift = BuildOptions{}.features.working_pixels;
   return type == FeatureType::kSift ? of_sift : 2 * of_sift;
@@ -107,11 +108,11 @@ BuildFlags ParseBuildFlags(const std::vector<std::string>& sources,
   std::vector<std::string> words = options;
   words.emplace_back("--");
   words.insert(words.end(), sources.begin(), sources.end());
-  std::ranges::reverse(words);  // as CLI11 takes them
+  std::ranges::reverse(words);  // the order that CLI11 expects
   try {
     app.parse(std::move(words));
   } catch (const CLI::Error& error) {
-    throw MapError(ErrorCode::kUsage, "the options of the job are none of waystone build's: " +
+    throw MapError(ErrorCode::kUsage, "the job has options that waystone build does not accept: " +
                                           Printable(error.what()));
   }
   return flags;

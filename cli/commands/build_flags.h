@@ -11,7 +11,7 @@
 #include "cli/files/given_poses.h"
 #include "cli/files/panorama_file.h"
 
-// What a map is built of and how, for `build` and for the jobs of `enqueue`.
+// What a map is built from and how, for `build` and for the jobs of `enqueue`.
 namespace waystone {
 
 inline constexpr const char* kBuildSources =
@@ -29,10 +29,10 @@ struct BuildFlags {
   bool no_images = false;
 };
 
-// All but the sources (AddSourceFlags) and the number of threads.
+// Adds all flags but the sources (AddSourceFlags) and the number of threads.
 void AddBuildFlags(CLI::App& command, BuildFlags& flags);
 
-// Throws MapError(kUsage, kBadOptions) for what no build takes.
+// Throws MapError(kUsage, kBadOptions) for what no build accepts.
 BuildOptions MakeBuildOptions(const BuildFlags& flags, const std::string& map_name);
 
 // Nothing where none are given. Throws as ReadGivenPoses does.
@@ -41,8 +41,8 @@ std::optional<GivenPoses> PosesOf(const BuildFlags& flags);
 // Whether the map has a layer that answers queries.
 bool CanAnswer(const BuildResult& result);
 
-// The options of a command that were given, "--every=2", those of `known` alone: what
-// ParseBuildFlags takes.
+// The given options of a command, as "--every=2", of those in `known` only: what ParseBuildFlags
+// takes.
 std::vector<std::string> GivenOptions(const std::vector<const CLI::Option*>& known);
 // Throws MapError(kUsage) as the command line does.
 BuildFlags ParseBuildFlags(const std::vector<std::string>& sources,

@@ -64,11 +64,11 @@ void AddPoseFlags(CLI::App& command, PoseFlags& flags) {
       ->expected(3);
   command
       .add_option("--body-from-camera", flags.body_from_camera,
-                  "Where the camera is on the body that the poses are of: \"x y z qx qy qz qw\"")
+                  "Pose of the camera on the body that the poses refer to: \"x y z qx qy qz qw\"")
       ->needs("--poses");
   command
       .add_option("--max-pose-gap", flags.max_gap_s,
-                  "Longest time between two poses to interpolate between, s")
+                  "Longest gap between two poses to interpolate across, in seconds")
       ->needs("--poses")
       ->check(Finite())
       ->check(CLI::NonNegativeNumber)

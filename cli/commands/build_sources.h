@@ -30,12 +30,12 @@ struct BuildOutputFlags {
   bool quiet = false;
 };
 
-// `kinds` says which sources are taken.
+// `kinds` says which sources are accepted, for --help.
 void AddSourceFlags(CLI::App& command, const std::string& kinds, SourceFlags& flags);
 void AddThreadsFlag(CLI::App& command, int& threads);
-// --poses and what says how they are meant.
+// Adds --poses and the flags that say how the poses are meant.
 void AddPoseFlags(CLI::App& command, PoseFlags& flags);
-// --json, --quiet and --progress.
+// Adds --json, --quiet and --progress.
 void AddBuildOutputFlags(CLI::App& command, BuildOutputFlags& flags);
 
 // Throws MapError(kBadOptions).
@@ -54,9 +54,9 @@ BuildResult BuildWithProgress(const std::vector<std::unique_ptr<Source>>& source
 
 // Whether a photo can be found in the map by planes or landmarks.
 bool HasPlanesOrLandmarks(const MapData& map);
-// That none was found, and what to do.
+// The message that none was found, and what to do.
 std::string NoPlanesText(const MapData& map);
-// Says that on stderr, and returns the exit status.
+// Prints it to stderr, and returns the exit status.
 int ReportNoPlanes(const MapData& map);
 
 }  // namespace waystone

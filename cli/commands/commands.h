@@ -14,8 +14,8 @@ using Run = std::function<int()>;
 // Adds --set, whose values ApplySettings takes (cli/commands/settings.h).
 void AddSetFlag(CLI::App& command, std::vector<std::string>& settings);
 
-// Each adds its subcommand to the program and, when that is the one that was given, puts what it
-// does into `run`, which must outlive the parsing.
+// Each adds its subcommand to the program and, when that is the one given, stores what it does in
+// `run`, which must outlive the parsing.
 void AddBuild(CLI::App& app, Run& run);
 void AddAdd(CLI::App& app, Run& run);
 void AddServe(CLI::App& app, Run& run);

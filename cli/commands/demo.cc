@@ -111,7 +111,7 @@ std::string Ask(const std::string& url, const Question& question) {
   Json answer = AskServer({url, ""}, "demo", question.photo.filename().string(),
                           std::string(photo.begin(), photo.end()));
   std::string verdict = answer.value("verdict", "no verdict");
-  // Abridged: the matrices and outlines of planes fill a page.
+  // Abridged: the matrices and outlines of planes would fill a page.
   if (answer.contains("planes")) {
     for (Json& plane : answer["planes"]) {
       plane.erase("outline");

@@ -22,7 +22,7 @@
 namespace waystone {
 namespace {
 
-// Of another building than the demo's own.
+// The seed of another building than the demo's own.
 constexpr uint64_t kOtherSeed = 77;
 // Where in the walk the photos are taken, as a share of its frames.
 constexpr double kPhotoAt = 0.4;
@@ -31,13 +31,13 @@ constexpr uint64_t kPhotoNoiseSeed = 4242;
 // Photos of the walk's building, and as many of another one, that come with a written walk.
 constexpr size_t kQueries = 20;
 
-// Of the drawing of the building: 40 px a metre.
+// Of the drawing of the building: 40 px per metre.
 constexpr int kPlanCellPx = 20;
 
-// Pictures of the walk: a demo should be over soon.
+// The number of pictures of the walk: a demo should be over soon.
 constexpr size_t kPictures = 160;
 
-// The first part of a tour, in steps as of a video of which every third frame is taken.
+// The first part of a tour, in the steps of a video of which every third frame is used.
 Walk ShortWalk(const FloorPlan& plan) {
   WalkOptions options;
   options.step_m = 0.15;

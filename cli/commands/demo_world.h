@@ -9,17 +9,17 @@
 namespace waystone {
 
 // Writes the pictures of a walk through the demo's building, with their truth, into `dir`, and
-// plan.png, a drawing of the building of 540 x 500 px: (x, y) of the world is at (40 x, 500 - 40
-// y).
+// plan.png, a drawing of the building of 540 x 500 px: the point (x, y) of the world, in metres, is
+// at pixel (40 x, 500 - 40 y).
 void WriteDemoWalk(const std::filesystem::path& dir, const WriteProgress& progress);
 
-// Adds photos from between the walk's frames and of another building to a written walk, with
+// Adds to a written walk photos from between its frames and photos of another building, with
 // queries.csv, which says where they were taken. Throws MapError(kFileUnwritable).
 void WriteDemoQueries(const std::filesystem::path& dir);
 
-// Writes the panoramas of a setting (world/setting.h) with their truth, and odometry.csv, what the
-// robot's wheels would report, into `dir`. Throws MapError: kBadOptions for an unknown name,
-// kFileExists, kFileUnwritable.
+// Writes the panoramas of a setting (world/setting.h) with their truth, and odometry.csv, which
+// holds what the robot's wheels would report, into `dir`. Throws MapError: kBadOptions for an
+// unknown name, kFileExists, kFileUnwritable.
 void WriteSetting(const std::string& name, const std::filesystem::path& dir,
                   const WriteProgress& progress);
 

@@ -149,7 +149,7 @@ void CheckPictures(const std::vector<RigSequence>& sequences, const std::filesys
 bool AnswerSequence(const RigSequence& sequence, const DirectionsFlags& flags) {
   const SegmentOptions segments{.detector = SegmentDetectorByName(flags.detector)};
   bool all_read = true;
-  // At first the axes nearest to the rig's own: x right, y down, z forward.
+  // At first the axes closest to the rig's own: x right, y down, z forward.
   Eigen::Matrix3d previous = Eigen::Matrix3d::Identity();
   for (const RigMoment& moment : sequence.moments) {
     Looked looked;

@@ -23,7 +23,7 @@ struct EnqueueFlags {
   bool json = false;
 };
 
-// Workers have other folders than the one where this was called.
+// Workers run in other folders than the one where this was called.
 std::string WholePath(const std::string& path) {
   return std::filesystem::absolute(path).lexically_normal().string();
 }
@@ -70,7 +70,7 @@ int RunEnqueue(const EnqueueFlags& flags) {
 void AddEnqueue(CLI::App& app, Run& run) {
   auto flags = std::make_shared<EnqueueFlags>();
   CLI::App* command = app.add_subcommand("enqueue", "Queue the build of a map for workers");
-  AddSourceFlags(*command, std::string(kBuildSources) + ", by paths that all workers reach",
+  AddSourceFlags(*command, std::string(kBuildSources) + ", as paths that all workers can reach",
                  flags->build.sources);
   AddBuildFlags(*command, flags->build);
   for (const CLI::Option* option : command->get_options()) {
@@ -80,22 +80,20 @@ void AddEnqueue(CLI::App& app, Run& run) {
   command->add_option("--name", flags->spec.name, "Name of the published map")->required();
   command->add_option("--registry", flags->registry, "Registry in PostgreSQL: postgresql://...")
       ->required();
-  command
-      ->add_option("--tag", flags->spec.tags,
-                   "A word about the version that lists show; repeatable")
+  command->add_option("--tag", flags->spec.tags, "Tag of the version, shown in lists; repeatable")
       ->allow_extra_args(false);
   command
       ->add_option("--part-frames", flags->spec.part_frames,
-                   "A longer walk (of planes alone, without poses) is cut into overlapping parts "
-                   "of at most so many frames, which workers build at the same time")
+                   "Cut a longer walk (planes only, without poses) into overlapping parts of at "
+                   "most this many frames, which workers build at the same time")
       ->capture_default_str();
   command
       ->add_option("--attempts", flags->spec.max_attempts,
-                   "How often each part of the job is tried")
+                   "Maximum number of attempts at each part of the job")
       ->capture_default_str();
   command->add_option("--store", flags->store,
-                      "Folder or address of the map files; a registry that is made for the job "
-                      "needs one");
+                      "Folder or address of the map files; required if the registry does not exist "
+                      "yet");
   command->add_flag("--json", flags->json, "Print the job as one JSON object");
   command->footer(
       "waystone work builds the map and publishes it, waystone jobs shows its progress.\n"

@@ -108,7 +108,7 @@ void AddEval(CLI::App& app, Run& run) {
   auto flags = std::make_shared<EvalFlags>();
   CLI::App* command =
       app.add_subcommand("eval", "Evaluate localization with a map on labelled photos");
-  command->add_option("map", flags->map, "Map file");  // not for its subcommand
+  command->add_option("map", flags->map, "Map file");  // not required: its subcommand has no map
   command->add_option("queries", flags->queries,
                       "CSV files with columns image and keyframe or frame, optionally x, y, z, qx, "
                       "qy, qz, qw; or folders of images, with --truth");
@@ -129,7 +129,7 @@ void AddEval(CLI::App& app, Run& run) {
       "Example: waystone eval lab.db queries.csv --negatives elsewhere --json");
   AddEvalTrajectory(*command, run);
   command->callback([flags, command, &run] {
-    if (!command->get_subcommands().empty()) return;  // it was asked instead
+    if (!command->get_subcommands().empty()) return;  // the subcommand runs instead
     run = [flags] { return RunEval(*flags); };
   });
 }

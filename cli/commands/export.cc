@@ -49,7 +49,7 @@ std::vector<std::unique_ptr<Source>> OpenImages(const ExportFlags& flags) {
   return sources;
 }
 
-// The list of the images that COLMAP's commands take by --image_list_path.
+// Writes the list of images that COLMAP's commands take as --image_list_path.
 void WriteImageList(const MapData& map, const fs::path& path, bool overwrite) {
   FileReplacer file(path, overwrite);
   std::ofstream out(file.temporary(), std::ios::binary);
@@ -67,12 +67,12 @@ void CheckColmapFlags(const ExportFlags& flags, const MapData& map) {
   if (map.keyframes.empty()) {
     throw MapError(ErrorCode::kNotAvailable,
                    flags.map +
-                       " has no keyframes, and COLMAP knows no panoramas; use tum, g2o or "
+                       " has no keyframes, and COLMAP does not support panoramas; use tum, g2o or "
                        "ply for the poses of panoramas");
   }
 }
 
-// Throws for a folder that can't be written to before an hour of work, not after.
+// Throws for an unwritable folder before an hour of work, not after.
 void CheckColmapFolder(const fs::path& folder, bool overwrite) {
   std::error_code error;
   fs::create_directories(folder, error);

@@ -10,7 +10,7 @@
 #include "cli/system/signals.h"
 #include "core/base/error.h"
 
-// For job_worker.cc and job_steps.cc alone.
+// For job_worker.cc and job_steps.cc only.
 namespace waystone {
 
 template <class Ask>
@@ -18,7 +18,7 @@ auto JobWorker::Persist(const Ask& ask, const LeaseKeeper* keeper)
     -> std::optional<decltype(ask(std::declval<JobQueue&>()))> {
   constexpr double kFirstPauseS = 0.2;
   constexpr double kMostPauseS = 5;
-  // By a database that answers: then it isn't a matter of waiting.
+  // Refusals by a database that answers: then waiting doesn't help.
   constexpr int kMostRefusals = 5;
   int refusals = 0;
   bool said = false;

@@ -32,8 +32,8 @@ void StopIfNeeded(const LeaseKeeper& keeper) {
   throw MapError(ErrorCode::kInterrupted, "interrupted");
 }
 
-// The number of frames that the source gives. What a video's header says may be wrong: it is read
-// through.
+// The number of frames that the source yields. A video's header may be wrong, so a video is read to
+// its end.
 int CountFrames(Source& source, const LeaseKeeper& keeper) {
   if (source.kind() != kVideoKind) return source.size();
   int frames = 0;
@@ -71,8 +71,8 @@ std::string MegabytesText(int64_t bytes) {
 
 int64_t BytesOf(const fs::path& file) { return static_cast<int64_t>(fs::file_size(file)); }
 
-// What the database said. Throws MapError(kInterrupted) where it said nothing: a signal came first,
-// or the lease was lost.
+// The database's answer. Throws MapError(kInterrupted) where there is none: a signal came first, or
+// the lease was lost.
 template <class Answer>
 Answer Answered(std::optional<Answer> answer) {
   if (!answer) throw MapError(ErrorCode::kInterrupted, "interrupted");
@@ -131,7 +131,7 @@ JobWorker::Outcome JobWorker::BuildPart(const JobLease& lease, LeaseKeeper& keep
                     Duration(SecondsSince(start))};
 }
 
-// False where the images show nothing that a query could be told by.
+// Builds the map. False where the images show nothing by which a query could be recognised.
 bool JobWorker::BuildMapOf(const JobLease& lease, LeaseKeeper& keeper, const fs::path& file) {
   const BuildFlags flags = FlagsOfPart(lease.spec, lease.part);
   const std::string number = lease.parts > 1 ? "-" + std::to_string(lease.step) : "";

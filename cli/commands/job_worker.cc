@@ -23,10 +23,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kPartsBytes = 100'000'000'000;  // of maps of parts on their way
+constexpr int64_t kPartsBytes = 100'000'000'000;  // of the parts' maps
 constexpr int kNoMap = 4;                         // exit status
 
-// What the same source and options would bring again.
+// Whether the same source and options would fail in the same way again.
 bool IsFinal(ErrorCode code) {
   constexpr std::array kFinal = {ErrorCode::kUsage,         ErrorCode::kBadOptions,
                                  ErrorCode::kBadSource,     ErrorCode::kBadImage,
@@ -70,7 +70,7 @@ fs::path JobWorker::MapOf(const JobLease& lease) const {
           ".db");
 }
 
-// Of jobs that have ended without this worker.
+// Removes the maps of jobs that have ended without this worker.
 void JobWorker::RemoveOldMaps() {
   for (const fs::directory_entry& entry : fs::directory_iterator(options_.work / "built")) {
     const std::vector<std::string> words = Words(entry.path().stem().string(), "-");
@@ -96,7 +96,7 @@ void JobWorker::Sleep(double seconds) const {
 }
 
 int JobWorker::Run() {
-  std::optional<int64_t> job;  // the one, if it is to be one
+  std::optional<int64_t> job;  // the only one, if options say so
   while (!Interrupted()) {
     const auto claimed =
         Persist([&](JobQueue& queue) { return queue.Claim(name_, options_.lease_s, job); });

@@ -20,16 +20,16 @@ namespace waystone {
 struct WorkerOptions {
   std::string registry;        // postgresql://...
   std::string store;           // empty: the one that the registry names
-  std::filesystem::path work;  // a folder of this worker alone, for maps on their way
+  std::filesystem::path work;  // a folder of this worker only, for maps being built
   int threads = 0;
   double lease_s = 60;       // how long a silent worker keeps a step
-  double retry_s = 10;       // before the second attempt; then twice as long each time
-  double poll_s = 0.5;       // between looks for work
-  bool one_job = false;      // end with the first job that it had a step of
+  double retry_s = 10;       // before the second attempt; doubled for each further one
+  double poll_s = 0.5;       // between two looks for work
+  bool one_job = false;      // end when the first job that it had a step of has ended
   bool until_empty = false;  // end when no job is queued or running
 };
 
-// Takes steps of jobs, does them, and says what came of them. For one thread.
+// Takes steps of jobs, does them, and reports the results. Not thread-safe.
 class JobWorker {
  public:
   using Log = std::function<void(const std::string&)>;
@@ -38,8 +38,8 @@ class JobWorker {
   // each event, from any thread.
   JobWorker(const WorkerOptions& options, Log log);
 
-  // Works until a signal (NoteInterrupts) or what the options say. Returns the exit status: 4 when
-  // the one job didn't end with a map.
+  // Works until a signal (NoteInterrupts), or as long as the options say. Returns the exit status:
+  // 4 when the one job didn't end with a map.
   int Run();
 
  private:
@@ -48,8 +48,8 @@ class JobWorker {
     std::string said;  // what was done, for people
   };
 
-  // Calls `ask` until the database answers, on a connection that is made anew. Nothing when a
-  // signal came before, or the lease was lost; what the database would have said isn't known then.
+  // Calls `ask` until the database answers, reconnecting as needed. Nothing when a signal came
+  // first, or the lease was lost; what the database would have said isn't known then.
   template <class Ask>
   auto Persist(const Ask& ask, const LeaseKeeper* keeper = nullptr)
       -> std::optional<decltype(ask(std::declval<JobQueue&>()))>;

@@ -107,16 +107,16 @@ void AddJobs(CLI::App& app, Run& run) {
           ->check(CLI::PositiveNumber);
   CLI::Option* cancel = command
                             ->add_option("--cancel", flags->cancel,
-                                         "End this job; workers stop within their heartbeat")
+                                         "Cancel this job; workers stop at their next heartbeat")
                             ->check(CLI::PositiveNumber)
                             ->excludes(job);
   command
       ->add_option("--retry", flags->retry,
-                   "Take up this job, which failed or was cancelled; what is built stays")
+                   "Resume this job, which failed or was cancelled; parts already built are kept")
       ->check(CLI::PositiveNumber)
       ->excludes(job)
       ->excludes(cancel);
-  command->add_flag("--json", flags->json, "Print each job as one JSON object a line");
+  command->add_flag("--json", flags->json, "Print each job as one JSON object per line");
   command->footer(
       "The newest come first, at most 1000.\n"
       "Example: waystone jobs postgresql://db/maps");

@@ -48,7 +48,7 @@ void LeaseKeeper::Keep() {
       if (!queue->Renew(lease_, lease_s_, progress)) lost_ = true;
       if (silent) log_("the registry's database is back");
       silent = false;
-    } catch (const std::exception& error) {  // out of memory, too: there is a next time
+    } catch (const std::exception& error) {  // also out of memory: the next heartbeat retries
       queue.reset();
       if (!silent) log_(std::string(error.what()) + "; going on without it");
       silent = true;

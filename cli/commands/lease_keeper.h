@@ -12,9 +12,9 @@
 
 namespace waystone {
 
-// Keeps a worker's lease of a step from Start() on: a heartbeat three times in the lease's time, by
-// a connection of its own. While the database can't be reached it goes on trying: whether the lease
-// is lost is known when the database says so. Thread-safe.
+// Keeps a worker's lease of a step from Start() on: three heartbeats in the lease's time, over a
+// connection of its own. While the database can't be reached it goes on trying: the lease is lost
+// only when the database says so. Thread-safe.
 class LeaseKeeper {
  public:
   using Log = std::function<void(const std::string&)>;
@@ -27,9 +27,9 @@ class LeaseKeeper {
   LeaseKeeper(const LeaseKeeper&) = delete;
   LeaseKeeper& operator=(const LeaseKeeper&) = delete;
 
-  // What the next heartbeat tells.
+  // What the next heartbeat reports.
   void Report(const StepProgress& progress);
-  // Another worker has the step, or the job was ended.
+  // Whether another worker has the step, or the job has ended.
   bool lost() const { return lost_; }
 
  private:

@@ -83,8 +83,8 @@ void Print(const Json& answer, bool json) {
   std::cout << (json ? Dump(answer) : AnswerLine(answer)) << std::endl;
 }
 
-// Asks each photo; `ask` gives its answer as JSON. One that can't be read, or that a server
-// refuses, is named and passed over. Returns the exit status, of the first of these.
+// Asks about each photo; `ask` gives its answer as JSON. A photo that can't be read, or that a
+// server refuses, is named and skipped. Returns the exit status, of the first of these.
 template <class AskPhoto>
 int AnswerEach(const LocalizeFlags& flags, const AskPhoto& ask) {
   int status = 0;
@@ -114,7 +114,7 @@ int AnswerByMap(const QueriedMap& map, const LocalizeFlags& flags) {
   });
 }
 
-// One panorama after the other, each asked with what the ones before it showed.
+// One panorama after the other, each asked with what the previous ones showed.
 int AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
   if (!map.index->HasAppearance()) {
     throw MapError(ErrorCode::kUsage, "map '" + map.name +
@@ -127,7 +127,7 @@ int AnswerSeries(const QueriedMap& map, const LocalizeFlags& flags) {
   });
 }
 
-// Asks a server instead, which names what it can't do.
+// Asks a server instead, which itself reports what it can't do.
 int AnswerByServer(const LocalizeFlags& flags) {
   return AnswerEach(flags, [&](const std::string& photo) {
     const QueryRequest request = MakeRequest(flags, photo);
@@ -183,15 +183,16 @@ void AddLocalize(CLI::App& app, Run& run) {
   AddServerFlags(command, flags->server);
   command
       ->add_option("--tag", flags->tags,
-                   "With - as the map: ask maps that were published with this tag; repeatable")
+                   "With - as the map: query only maps published with this tag; repeatable")
       ->allow_extra_args(false);
   command
-      ->add_option("--near", flags->near,
-                   "With - as the map: ask maps within RADIUS of a point of a frame of poses: "
-                   "FRAME X Y RADIUS, or FRAME X Y Z RADIUS")
+      ->add_option(
+          "--near", flags->near,
+          "With - as the map: query only maps within RADIUS of a point in a frame of poses: "
+          "FRAME X Y RADIUS, or FRAME X Y Z RADIUS")
       ->expected(4, 5);
   command->add_option("--previous-map", flags->previous_map,
-                      "With - as the map: a map that is asked in any case");
+                      "With - as the map: a map that is always queried");
   command->footer(
       "Exits with status 3 if any image can't be read or a server refuses it, 6 if the server's\n"
       "registry or store can't be reached, after processing the others.\n"

@@ -29,6 +29,9 @@ struct MergeFlags {
 };
 
 int RunMerge(const MergeFlags& flags) {
+  if (flags.maps.size() < 2) {
+    throw MapError(ErrorCode::kUsage, "merge joins two or more maps; name another one");
+  }
   EndAtInterrupts();
   const WriteOptions write{.overwrite = flags.force};
   BuildOptions options;

@@ -49,7 +49,7 @@ void AddIds(const MapData& map, NamedKind kind, const std::vector<std::string>& 
   }
 }
 
-// At each colon, since names of images may have some.
+// Tries each colon, since names of images may contain some.
 void AddImages(const MapData& map, const std::string& text, const std::string& sequence,
                NamedPlace& place) {
   std::exception_ptr refusal;
@@ -106,7 +106,7 @@ std::string MisfitText(const NameMisfit& misfit) {
   return QuoteShortened(misfit.name) + ": " + misfit.cause;
 }
 
-// Places of the file take the place of those of the same name.
+// The file's places replace those of the same name.
 void TakeNamesFile(const NameFlags& flags, MapData& map) {
   const std::vector<uint8_t> bytes = ReadBytes(flags.names_in, "a file written by --export");
   ReadNames read;

@@ -73,7 +73,7 @@ Eigen::Vector2d PositionOfNode(const MapData& map, int64_t id) {
                                            "; choose another one, or give x and y");
 }
 
-// What is right of the equals sign: "2.5,-1", "keyframe:12" or "node:3".
+// The position right of the equals sign: "2.5,-1", "keyframe:12" or "node:3".
 Eigen::Vector2d ReadPosition(const MapData& map, const std::string& anchor,
                              const std::string& text) {
   if (const auto point = ReadPoint(text)) return *point;
@@ -141,7 +141,7 @@ FloorPlanImage ReadPlan(const PlanFlags& flags, const MapData& map) {
                        "show them; save it upright, without EXIF data");
   }
   try {
-    DecodeGrey(plan.image);  // a header may be all that is sound
+    DecodeGrey(plan.image);  // perhaps only the header is sound
   } catch (const MapError& error) {
     throw MapError(error.code(), flags.image + ": " + error.what());
   }

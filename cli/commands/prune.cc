@@ -53,8 +53,7 @@ void AddPrune(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "prune", "Remove features that later walks should have seen but did not find");
   command
-      ->add_option("map", flags->map,
-                   "Map file, which is replaced where something of it is removed")
+      ->add_option("map", flags->map, "Map file, which is replaced if anything is removed from it")
       ->required();
   command
       ->add_option("--min-looks", flags->min_looks,

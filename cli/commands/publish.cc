@@ -26,14 +26,14 @@ struct PublishFlags {
   bool json = false;
 };
 
-// A folder by its whole path, because other programs read it in the registry.
+// The absolute path of a folder, because other programs read it in the registry.
 std::string Absolute(const std::string& store) {
   const bool folder = !store.empty() && store.find("://") == std::string::npos;
   return folder ? std::filesystem::absolute(store).lexically_normal().string() : store;
 }
 
 int RunPublish(const PublishFlags& flags) {
-  const OpenMap map = OpenMapFile(flags.map, true);  // a damaged one isn't published
+  const OpenMap map = OpenMapFile(flags.map, true);  // refuses a damaged one
   const auto bytes = static_cast<int64_t>(std::filesystem::file_size(flags.map));
   MapVersion version =
       MakeVersion(flags.name.empty() ? map.name : flags.name, *map.index, bytes, flags.tags);
@@ -45,7 +45,7 @@ int RunPublish(const PublishFlags& flags) {
   if (coarse) version = MakeVersion(version.name, *map.index, bytes, flags.tags, coarse);
   if (!coarse) {
     std::cerr << "The map's places have no features for the coarse index: queries of all maps of a "
-                 "large registry don't find it\n";
+                 "large registry won't find it\n";
   }
   const MapVersion published = registry->Publish(version);
   if (flags.json) {
@@ -67,7 +67,7 @@ void AddPublish(CLI::App& app, Run& run) {
                    "Registry: a folder, or postgresql://...; created if missing")
       ->required();
   command->add_option("--name", flags->name, "Name of the map; default: the file's");
-  command->add_option("--tag", flags->tags, "A word about this version that lists show; repeatable")
+  command->add_option("--tag", flags->tags, "Tag of this version, shown in lists; repeatable")
       ->allow_extra_args(false);
   command->add_option("--store", flags->store,
                       "Folder, or address (http, https) that takes GET, HEAD and PUT, of the map "

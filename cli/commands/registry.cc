@@ -125,8 +125,8 @@ void AddMaps(CLI::App& app, Run& run) {
       ->required();
   CLI::Option* name =
       command->add_option("--name", flags->name, "List all versions of this map instead");
-  command->add_option("--tag", flags->tag, "List maps with this tag alone")->excludes(name);
-  command->add_flag("--json", flags->json, "Print the manifest of each as one JSON object a line");
+  command->add_option("--tag", flags->tag, "List only maps with this tag")->excludes(name);
+  command->add_flag("--json", flags->json, "Print each manifest as one JSON object per line");
   command->footer("Example: waystone maps /srv/maps");
   command->callback([flags, &run] { run = [flags] { return RunMaps(*flags); }; });
 }
@@ -149,7 +149,7 @@ void AddRollback(CLI::App& app, Run& run) {
 
 void AddRetire(CLI::App& app, Run& run) {
   auto flags = std::make_shared<MoveFlags>();
-  CLI::App* command = app.add_subcommand("retire", "End the serving of a map; its versions stay");
+  CLI::App* command = app.add_subcommand("retire", "Stop serving a map; its versions stay");
   command->add_option("name", flags->name, "Name of the map")->required();
   command->add_option("--in", flags->registry, "Registry: a folder or postgresql://...")
       ->required();

@@ -37,8 +37,9 @@ using Beliefs = std::map<std::string, PreviousAnswer>;
 
 std::string KeyOf(const Json& belief) { return belief.is_null() ? "" : Dump(belief); }
 
-// A series goes on from what the map asked now made of its earlier panoramas, not from what the
-// log's did: a belief names panoramas of one map. One whose beginning isn't in the log begins here.
+// A series continues from what the map that is asked now made of its earlier panoramas, not from
+// what the log's map did: a belief names panoramas of one map. A series whose beginning isn't in
+// the log begins here.
 void TakePrevious(const Beliefs& beliefs, QueryRequest& request) {
   if (!request.previous) return;
   const auto before = request.previous->belief
@@ -48,7 +49,7 @@ void TakePrevious(const Beliefs& beliefs, QueryRequest& request) {
   if (before != beliefs.end()) request.previous = before->second;
 }
 
-// Without what only the log's map has: keyframes, and a camera that the one asked now doesn't
+// Removes what only the log's map has: keyframes, and a camera that the map asked now doesn't
 // store.
 void LeaveOutForeign(const MapData& map, QueryRequest& request) {
   request.prior_keyframe.reset();
@@ -61,7 +62,7 @@ void LeaveOutForeign(const MapData& map, QueryRequest& request) {
 }
 
 Replayed Replay(LoggedQuery& query, const QueriedMap& map, Beliefs& beliefs) {
-  // Time is the server's: what is compared is what the map makes of the image.
+  // Deadlines are the server's: what is compared is what the map makes of the image.
   query.request.deadline_ms.reset();
   TakePrevious(beliefs, query.request);
   LeaveOutForeign(map.index->map(), query.request);

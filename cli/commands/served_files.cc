@@ -20,10 +20,12 @@ namespace fs = std::filesystem;
 
 constexpr const char* kExtension = ".db";
 
-// Nothing is thrown for an entry that can't be looked at: opening it says what is wrong.
-std::vector<fs::path> ListFiles(const fs::path& path) {
+// Throws nothing for an entry that can't be looked at: opening it reports what is wrong.
+// A folder that is gone, as while it isn't mounted, can't be read; it isn't a folder without maps.
+std::vector<fs::path> ListFiles(const fs::path& path, bool was_folder) {
   std::error_code ignored;
-  if (!fs::is_directory(fs::status(path))) return {path};  // throws where it can't be told
+  const fs::file_status status = fs::status(path);  // throws where that can't be determined
+  if (!fs::is_directory(status) && !(was_folder && !fs::exists(status))) return {path};
   std::vector<fs::path> files;
   for (const std::string& name : FolderEntries(path)) {
     const fs::path file = path / name;
@@ -36,18 +38,18 @@ std::vector<fs::path> ListFiles(const fs::path& path) {
   return files;
 }
 
-// What becomes of a map whose file was refused.
+// What becomes of a map whose new file was refused.
 std::string Standing(const MapCatalog& catalog, const std::string& name) {
   return catalog.Now()->contains(name) ? "still serving the previous version" : "not served";
 }
 
-// Of a folder with a slash at its end, too, so that its files' parent_path() is it.
+// Removes a folder's final slash, so that its files' parent_path() is the same.
 fs::path WithoutSlash(const fs::path& path) {
   const fs::path normal = path.lexically_normal();
   return normal.has_filename() || !normal.has_relative_path() ? normal : normal.parent_path();
 }
 
-// No file has it: a file with such a stamp counts as changed.
+// No file has it, so a file with such a stamp counts as changed.
 constexpr uint64_t kNoInode = 0;
 
 }  // namespace
@@ -62,12 +64,13 @@ ServedFiles::Scanned ServedFiles::Scan() const {
   for (const fs::path& path : paths_) {
     std::vector<fs::path> files;
     try {
-      files = ListFiles(path);
+      files = ListFiles(path, WasFolder(path));
     } catch (const fs::filesystem_error& error) {
       scanned.problems.emplace_back(ErrorCode::kFileUnreadable,
-                                    "'" + path.string() + "' can't be read: " +
-                                        error.code().message() + "; check its permissions");
-      for (const auto& [name, stamp] : known_) {  // served on
+                                    "'" + path.string() +
+                                        "' can't be read: " + error.code().message() +
+                                        "; check that it exists, and its permissions");
+      for (const auto& [name, stamp] : known_) {  // stay in service
         if (stamp.path.parent_path() == path) found.emplace(name, stamp);
       }
     }
@@ -90,6 +93,11 @@ ServedFiles::Scanned ServedFiles::Scan() const {
     }
   }
   return scanned;
+}
+
+bool ServedFiles::WasFolder(const fs::path& path) const {
+  return std::ranges::any_of(
+      known_, [&](const auto& known) { return known.second.path.parent_path() == path; });
 }
 
 bool ServedFiles::IsGiven(const fs::path& file) const {

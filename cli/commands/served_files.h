@@ -14,8 +14,8 @@
 
 namespace waystone {
 
-// The map files of a server: those it was given and all *.db of the folders it was given. Says what
-// changed on the disk and reads it again. Not thread-safe; one thread looks after the files.
+// The map files of a server: those given by name, and all *.db of the folders given. Reports what
+// changed on disk, and reads it again. Not thread-safe; one thread looks after the files.
 class ServedFiles {
  public:
   explicit ServedFiles(std::vector<std::filesystem::path> paths);
@@ -31,21 +31,21 @@ class ServedFiles {
     MapCatalog::Indices maps;
     std::vector<Change> refused;  // files of folders that can't be read; the others are served
   };
-  // Reads all maps. Throws as ReadMap does for a file that was given by its name, and where no file
-  // can be read; MapError(kUsage) for two of one name and for none, and MapError(kFileUnreadable)
-  // for a folder that can't be read.
+  // Reads all maps. Throws as ReadMap does for a file that was given by name, and where no file can
+  // be read; MapError(kUsage) for two of one name and for none, and MapError(kFileUnreadable) for a
+  // folder that can't be read.
   Opened OpenAll();
 
-  // Looks which files are new, gone or changed (all that are there with `all`), and puts each new
-  // map into the catalog once it is whole. One that can't be read is refused: the map before it is
-  // served on, and the file is looked at again when it changes once more, or the next time where
-  // memory ran out. Of two files of one name the one that is served stays, and the maps of a folder
-  // that can't be read are served on; either is said once. Throws std::bad_alloc; the next Refresh
+  // Looks for files that are new, gone or changed (with `all`, takes all as changed), and puts each
+  // new map into the catalog once it is complete. A map that can't be read is refused: the previous
+  // one stays in service, and the file is looked at again when it changes once more, or next time
+  // if memory ran out. Of two files of one name the one that is served stays, and so do the maps of
+  // a folder that can't be read; either is reported once. Throws std::bad_alloc; the next Refresh
   // does what this one left.
   std::vector<Change> Refresh(MapCatalog& catalog, bool all);
 
  private:
-  // What tells one content of a file from another without reading it.
+  // Distinguishes one content of a file from another without reading it.
   struct Stamp {
     std::filesystem::path path;
     std::filesystem::file_time_type time;
@@ -58,7 +58,8 @@ class ServedFiles {
     std::vector<MapError> problems;
   };
   Scanned Scan() const;
-  bool IsGiven(const std::filesystem::path& file) const;  // by its own name
+  bool WasFolder(const std::filesystem::path& path) const;  // with maps that are served
+  bool IsGiven(const std::filesystem::path& file) const;    // by its own name
   static Change Reload(MapCatalog& catalog, const std::string& name,
                        const std::filesystem::path& file);
 

@@ -76,7 +76,7 @@ std::string TopGroup(const std::string& name) {
   return dot == std::string::npos ? "" : name.substr(0, dot);
 }
 
-// A table for each group at the top.
+// A table for each top-level group.
 void WriteTables(const std::vector<OptionLine>& lines, OptionUse use, std::ostream& out) {
   std::string group = "none yet";
   for (const OptionLine& line : lines) {

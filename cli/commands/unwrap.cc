@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
@@ -13,6 +17,7 @@
 #include "cli/files/output_file.h"
 #include "cli/files/panorama_file.h"
 #include "core/base/error.h"
+#include "schema/file/file_replacer.h"
 
 namespace waystone {
 namespace {
@@ -22,17 +27,19 @@ namespace fs = std::filesystem;
 struct UnwrapFlags {
   std::vector<std::string> images;
   std::string out;
+  bool force = false;
   PanoramaFlags panorama;
 };
 
-// The panorama's row at an elevation, kept inside.
+// The panorama's row at an elevation, clamped to the image.
 int RowAt(const Panorama& panorama, double elevation_rad) {
   const double per_rad = panorama.grey.rows / (panorama.band.top_rad - panorama.band.bottom_rad);
   return std::clamp(cvRound((panorama.band.top_rad - elevation_rad) * per_rad), 0,
                     panorama.grey.rows - 1);
 }
 
-// The panorama with what is used between two lines, the rest darkened, and the front marked.
+// The panorama with two lines around the band that is used, the rest darkened, and the front
+// marked.
 cv::Mat DrawUsed(const Panorama& panorama, const ElevationBand& band) {
   const int top = RowAt(panorama, band.top_rad);
   const int bottom = RowAt(panorama, band.bottom_rad);
@@ -46,23 +53,22 @@ cv::Mat DrawUsed(const Panorama& panorama, const ElevationBand& band) {
   return drawn;
 }
 
-void Write(const fs::path& path, const cv::Mat& image) {
-  bool written = false;
-  try {
-    written = cv::imwrite(path.string(), image);
-  } catch (const cv::Exception&) {
-    written = false;
-  }
-  if (written) return;
-  throw MapError(ErrorCode::kFileUnwritable,
-                 "can't write " + path.string() + "; choose a writable folder");
+void Write(const fs::path& path, const cv::Mat& image, bool force) {
+  std::vector<uint8_t> png;
+  cv::imencode(".png", image, png);
+  FileReplacer file(path, force);
+  std::ofstream out(file.temporary(), std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(png.data()), std::ssize(png));
+  out.close();
+  if (!out) throw UnwritableError(path, std::strerror(errno), std::ssize(png));
+  file.Commit();
 }
 
 struct Unwrapped {
   fs::path image, panorama, used;
 };
 
-// What is written for each image. Throws MapError where that would replace another image.
+// The output files for each image. Throws MapError where one would replace another image.
 std::vector<Unwrapped> OutputsOf(const UnwrapFlags& flags) {
   std::vector<Unwrapped> outputs;
   std::set<std::string> names;
@@ -92,11 +98,18 @@ int RunUnwrap(const UnwrapFlags& flags) {
   const std::vector<Unwrapped> outputs = OutputsOf(flags);
   std::error_code failure;
   fs::create_directories(flags.out, failure);
+  if (failure) throw UnwritableError(flags.out, failure.message(), 0);
+  for (const Unwrapped& output : outputs) {
+    for (const fs::path& path : {output.panorama, output.used}) {
+      CheckReplacesNoMap(path);
+      const FileReplacer writable(path, flags.force);
+    }
+  }
   for (const auto& [image, unwrapped, used] : outputs) {
     const Panorama panorama = ReadPanorama(image, options);
     ExtractBand(panorama, signature);  // refuses what a map would refuse
-    Write(unwrapped, panorama.grey);
-    Write(used, DrawUsed(panorama, signature.band));
+    Write(unwrapped, panorama.grey, flags.force);
+    Write(used, DrawUsed(panorama, signature.band), flags.force);
     std::cout << image.string() << ": " << unwrapped.string() << " (" << panorama.grey.cols << "x"
               << panorama.grey.rows << "), " << used.string() << '\n';
   }
@@ -112,6 +125,7 @@ void AddUnwrap(CLI::App& app, Run& run) {
   command->add_option("images", flags->images, "Panoramas, mirror images or rig folders")
       ->required();
   command->add_option("-o,--out", flags->out, "Output folder")->required();
+  command->add_flag("--force", flags->force, "Overwrite existing files");
   AddPanoramaFlags(*command, flags->panorama);
   command->footer(
       "Writes NAME_panorama.png, the unwrapped image, and NAME_used.png with the band marked.\n"

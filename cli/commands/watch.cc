@@ -58,12 +58,14 @@ class Eye {
                          " can't be opened; use a camera index (starting at 0) or a "
                          "video file that FFmpeg can read");
     }
+    constexpr double kMostFrames = 1e6;  // so that the end is found in a moment
+    if (!camera_) left_ = std::min(capture_.get(cv::CAP_PROP_FRAME_COUNT), kMostFrames);
     start_ = Clock::now();
   }
 
   // The next frame at `time_s` or later, in grey, and its time; nothing at the end.
   std::optional<cv::Mat> NextAt(double time_s, double& taken_s) {
-    while (!Interrupted() && capture_.grab()) {
+    while (!Interrupted() && Grab()) {
       taken_s = TimeOfGrabbed();
       if (taken_s < time_s) continue;
       cv::Mat image;
@@ -77,6 +79,16 @@ class Eye {
   }
 
  private:
+  // False at the end. FFmpeg fails once for each damaged frame, which is passed over, and always
+  // after the end.
+  bool Grab() {
+    while (!capture_.grab()) {
+      if (left_-- <= 0) return false;
+    }
+    --left_;
+    return true;
+  }
+
   // Asked between grab and retrieve, when FFmpeg tells the time of the frame that was grabbed.
   double TimeOfGrabbed() const {
     if (!camera_) return capture_.get(cv::CAP_PROP_POS_MSEC) / 1000;
@@ -85,6 +97,7 @@ class Eye {
 
   const bool camera_;
   cv::VideoCapture capture_;
+  double left_ = 0;  // frames of a video, by its header, which may be wrong
   Clock::time_point start_;
 };
 
@@ -115,8 +128,14 @@ class Oracle {
   std::optional<OpenMap> map_;
 };
 
-// A frame that a server gives no answer to, as while it restarts, is named and passed over. Returns
-// the exit status, of the first of these.
+// What every other frame would bring as well: a wrong name of a map, a wrong token.
+bool IsMistake(ErrorCode code) {
+  return code == ErrorCode::kNotFound || code == ErrorCode::kUnauthorized ||
+         code == ErrorCode::kUsage;
+}
+
+// A frame that a server gives no answer to, as while it restarts, is named and skipped. A mistake
+// in the first query ends it. Returns the exit status, of the first frame that was skipped.
 int RunWatch(const WatchFlags& flags) {
   NoteInterrupts();
   const Oracle oracle(flags);
@@ -137,7 +156,7 @@ int RunWatch(const WatchFlags& flags) {
       std::cout << (flags.json ? Dump(answer) : AnswerLine(answer)) << std::endl;
       ++answers;
     } catch (const MapError& error) {
-      if (flags.server.url.empty()) throw;
+      if (flags.server.url.empty() || (frames == 1 && IsMistake(error.code()))) throw;
       std::cerr << "waystone: " << name << ": " << Printable(error.what()) << '\n';
       if (status == 0) status = InfoOf(error.code()).exit_code;
     }
@@ -174,8 +193,9 @@ void AddWatch(CLI::App& app, Run& run) {
   AddServerFlags(command, flags->server);
   command->footer(
       "Runs until Ctrl-C or the end of the video. Each answer is named by the time of its frame.\n"
-      "A frame that the server doesn't answer is named and passed over. The exit status after the\n"
-      "last frame is then 3, or 6 if the server's registry or store can't be reached.\n"
+      "A wrong map name or token ends it at the first frame. A frame that the server doesn't\n"
+      "answer later is named and skipped. The exit status after the last frame is then 3, or 6 if\n"
+      "the server's registry or store can't be reached.\n"
       "Example: waystone watch lab.db walk.mp4 --every 0.5\n"
       "         waystone watch lab 0 --server http://robot:8080 --json");
   command->callback([flags, &run] { run = [flags] { return RunWatch(*flags); }; });

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A worker's folder: the one that is given, which stays, or a temporary one.
+// A worker's folder: the given one, which stays, or a temporary one.
 class WorkFolder {
  public:
   explicit WorkFolder(const std::string& given) : temporary_(given.empty()) {
@@ -95,28 +95,25 @@ void AddWork(CLI::App& app, Run& run) {
   command->add_option("--registry", worker.registry, "Registry in PostgreSQL: postgresql://...")
       ->required();
   command->add_option("--work", flags->folder,
-                      "Folder of this worker alone for maps on their way, which it finds again "
+                      "Folder of this worker only, for maps in progress, which it finds again "
                       "after a restart; default: a temporary one");
   command->add_option("--store", worker.store,
-                      "Folder or address of the map files, where it isn't the one that the "
-                      "registry names");
+                      "Folder or address of the map files, if not the one that the registry names");
   CLI::Option* once = command->add_flag(
       "--once", worker.one_job,
-      "Work on one job until it has ended, and exit; with none to be done, exit at once");
-  command
-      ->add_flag("--until-empty", worker.until_empty,
-                 "Exit when no job is queued or running any more")
+      "Work on one job until it has ended, then exit; exit at once if there is none");
+  command->add_flag("--until-empty", worker.until_empty, "Exit when no job is queued or running")
       ->excludes(once);
   AddThreadsFlag(*command, worker.threads);
   command
       ->add_option("--lease", worker.lease_s,
-                   "Seconds after which the work of a worker that was silent is given to another")
+                   "Seconds after which the work of a silent worker is given to another")
       ->check(Finite())
       ->check(CLI::Range(0.5, 86'400.0))
       ->capture_default_str();
   command
       ->add_option("--retry-after", worker.retry_s,
-                   "Seconds until what failed is tried again; twice as long each time")
+                   "Seconds before failed work is tried again; doubled after each failure")
       ->check(Finite())
       ->check(CLI::Range(0.0, 86'400.0))
       ->capture_default_str();

@@ -37,7 +37,7 @@ int64_t IdIn(const std::string& text, NamedKind kind, const std::vector<int64_t>
                                         std::to_string(ids.back())));
 }
 
-// What a place may hold of a map, without pictures and planes.
+// Only what decides on membership in a place: no pictures, no planes.
 MapData PartFor(const MapData& map, const NamedPlace& place) {
   MapData part;
   part.poses = map.poses;
@@ -87,7 +87,7 @@ void RequirePositions(const MapData& map) {
                  "keyframes");
 }
 
-// The ids in lists of them.
+// The ids in several lists of ids.
 template <class IdType, class Row>
 std::set<IdType> ChosenOf(const MapData& map, NamedKind kind, const std::vector<Row>& rows,
                           const std::vector<std::string>& texts) {
@@ -141,7 +141,7 @@ const MapSession& FindSession(const std::vector<MapSession>& sessions, const std
 std::vector<NamedRange> RangesOfIds(const MapData& map, NamedKind kind, const std::string& text) {
   const std::vector<int64_t> ids = IdsOf(map, kind);
   std::vector<NamedRange> ranges;
-  std::istringstream words(text + ",");  // no id is empty, the last one neither
+  std::istringstream words(text + ",");  // so that an empty last id is refused, too
   for (std::string word; std::getline(words, word, ',');) {
     const size_t colon = word.find(':');
     const int64_t first = IdIn(word.substr(0, colon), kind, ids);

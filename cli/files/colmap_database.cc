@@ -48,7 +48,7 @@ void BindBlob(SQLite::Statement& row, int column, std::span<const Value> values)
   row.bind(column, values.data(), static_cast<int>(values.size_bytes()));
 }
 
-// Executes one row after the other of one statement.
+// Executes a statement for one row after the other.
 class RowWriter {
  public:
   RowWriter(SQLite::Database& database, const std::string& sql) : row_(database, sql) {}
@@ -128,7 +128,7 @@ void WriteKeypoints(const std::vector<SampledKeyframe>& keyframes, SQLite::Datab
   }
 }
 
-// COLMAP's are RootSIFT times 512, ours times 256.
+// COLMAP's descriptors are RootSIFT times 512, ours times 256.
 void WriteDescriptors(const std::vector<SampledKeyframe>& keyframes, SQLite::Database& database) {
   RowWriter writer(database, "INSERT INTO descriptors VALUES (?, ?, ?, ?)");
   for (const SampledKeyframe& keyframe : keyframes) {
@@ -143,7 +143,7 @@ void WriteDescriptors(const std::vector<SampledKeyframe>& keyframes, SQLite::Dat
   }
 }
 
-// In COLMAP's pixels, by rows: x_b^T F x_a = 0.
+// In COLMAP's pixels, row by row: x_b^T F x_a = 0.
 std::vector<double> MovedFundamental(const Eigen::Matrix3d& fundamental, const Features& a,
                                      const Features& b) {
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> moved =

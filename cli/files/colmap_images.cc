@@ -33,7 +33,7 @@ FilePose TakeImage(ByteReader& reader, const fs::path& path) {
   pose.name = reader.TakeText();
   reader.Skip(reader.TakeCount(kPointBytes) * kPointBytes);
   Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();
-  // Stable: a quaternion far from unit length is no reason for one that isn't a rotation.
+  // Stable: a quaternion of a length far from 1 must still give a rotation.
   const Eigen::Vector4d unit = q.stableNormalized().normalized();
   camera_from_world.linear() =
       Eigen::Quaterniond(unit[0], unit[1], unit[2], unit[3]).toRotationMatrix();

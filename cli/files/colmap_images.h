@@ -8,8 +8,8 @@
 
 namespace waystone {
 
-// Reads the poses of COLMAP's images.bin (little-endian; camera_from_world there), inverted. Throws
-// MapError: kFileUnreadable; kBadRequest for a file that is cut or isn't one.
+// Reads the poses of COLMAP's images.bin (little-endian; camera_from_world there), and inverts
+// them. Throws MapError: kFileUnreadable; kBadRequest for a file that is truncated or isn't one.
 std::vector<FilePose> ReadColmapImages(const std::filesystem::path& path);
 
 }  // namespace waystone

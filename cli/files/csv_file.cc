@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <optional>
-#include <sstream>
 #include <string_view>
 
 #include "cli/files/map_file.h"
@@ -27,8 +27,7 @@ std::vector<std::string> Cells(std::string_view line) {
 }  // namespace
 
 CsvFile::CsvFile(const std::filesystem::path& path) : path_(path) {
-  const std::vector<uint8_t> bytes = ReadBytes(path, "a CSV file");
-  std::istringstream text(std::string(bytes.begin(), bytes.end()));
+  std::ifstream text = OpenText(path, "a CSV file");
   int number = 0;
   for (std::string line; std::getline(text, line);) {
     ++number;
@@ -36,6 +35,7 @@ CsvFile::CsvFile(const std::filesystem::path& path) : path_(path) {
     if (trimmed.empty() || trimmed.front() == '#') continue;
     if (header_.empty()) {
       header_ = Cells(trimmed);
+      CheckHeader(number);
       continue;
     }
     rows_.push_back({number, Cells(trimmed)});
@@ -46,6 +46,13 @@ CsvFile::CsvFile(const std::filesystem::path& path) : path_(path) {
                      "; write empty fields as consecutive commas");
   }
   if (header_.empty()) Fail(1, "missing header; the first line must name the columns");
+}
+
+void CsvFile::CheckHeader(int line) const {
+  for (auto name = header_.begin(); name != header_.end(); ++name) {
+    if (name->empty() || std::find(header_.begin(), name, *name) == name) continue;
+    Fail(line, "the header has two columns \"" + *name + "\"; rename or remove one");
+  }
 }
 
 std::optional<size_t> CsvFile::Column(const std::string& name) const {

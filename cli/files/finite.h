@@ -10,7 +10,7 @@
 
 namespace waystone {
 
-// Of an option's value: refuses NaN, which is in every range of CLI11's, and infinity.
+// For an option's value: refuses NaN, which passes every range of CLI11, and infinity.
 inline CLI::Validator Finite() {
   const auto check = [](const std::string& text) {
     const auto number = ToNumber(text);

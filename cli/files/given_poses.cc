@@ -59,10 +59,10 @@ double DistanceOf(const PoseFlags& flags) {
   const auto metres = ToNumber(flags.scale_by.at(2));
   if (metres && *metres > 0 && std::isfinite(*metres)) return *metres;
   throw MapError(ErrorCode::kUsage, "--scale-by: '" + Printable(flags.scale_by[2]) +
-                                        "' is no distance in metres above 0");
+                                        "' is not a distance in metres above 0");
 }
 
-// What positions are multiplied by, so that two of them have a known distance.
+// The factor of the positions that gives two of them a known distance.
 double FindScale(const ImagePoses& images, const PoseFlags& flags) {
   if (flags.scale_by.empty()) return 1;
   const double metres = DistanceOf(flags);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSameTime_s = 0.02;
 
-// Straight in position, at constant speed in rotation.
+// Linear in position, at constant angular velocity in rotation.
 TruePose InterpolatePose(const FilePose& before, const FilePose& after, double time_s) {
   const double span_s = *after.time_s - *before.time_s;
   const double share = span_s > 0 ? (time_s - *before.time_s) / span_s : 0;
@@ -39,7 +39,7 @@ ImagePoses::ImagePoses(std::vector<FilePose> poses, double max_gap_s)
     if (pose.time_s) by_time_.push_back(&pose);
     by_number_.emplace(pose.number, &pose.pose);
   }
-  // Without extension too, where no other name is the same: a video's frames have none.
+  // Without extension, too, unless that is another one's name: a video's frames have none.
   for (const FilePose& pose : poses_) {
     if (!pose.name.empty()) by_name_.emplace(WithoutExtension(pose.name), &pose.pose);
   }
@@ -51,7 +51,7 @@ const TruePose* ImagePoses::FindNamed(const std::string& name) const {
     const auto found = by_name_.find(part);
     return found == by_name_.end() ? nullptr : found->second;
   };
-  for (size_t from = 0; from != std::string::npos;) {  // with fewer and fewer folders
+  for (size_t from = 0; from != std::string::npos;) {  // with one folder fewer each time
     if (const TruePose* pose = find(name.substr(from))) return pose;
     const size_t slash = name.find('/', from);
     from = slash == std::string::npos ? slash : slash + 1;

@@ -10,17 +10,17 @@
 
 namespace waystone {
 
-// Poses by the image that they are of.
+// Poses by the images that they are of. Immutable; thread-safe.
 class ImagePoses {
  public:
-  // Between poses with time stamps that are at most `max_gap_s` apart, a pose is interpolated.
+  // A pose is interpolated between poses whose time stamps are at most `max_gap_s` apart.
   explicit ImagePoses(std::vector<FilePose> poses, double max_gap_s = 0.2);
   ImagePoses(const ImagePoses&) = delete;
   ImagePoses& operator=(const ImagePoses&) = delete;
 
   // By name (also without its folders or its extension), else by time stamp, else by number, where
-  // the poses have no names or stamps. A pose within 20 ms is taken where none can be interpolated.
-  // Nothing where none fits.
+  // the poses have no names or stamps. Where none can be interpolated, a pose within 20 ms is
+  // taken. Nothing where none matches.
   std::optional<TruePose> Find(const std::string& name, const std::optional<double>& time_s,
                                int number) const;
 

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What of the names a map has; whether that is all.
+// The places of a names file that a map has, and whether these are all of them.
 std::pair<std::vector<NamedPlace>, bool> PlacesIn(const std::string& names, const MapData& map) {
   try {
     ReadNames read = ReadNamesFile(names, map);

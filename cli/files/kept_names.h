@@ -14,9 +14,9 @@ namespace waystone {
 // map that can't be read.
 std::optional<std::string> NamesOfOldMap(const std::filesystem::path& path);
 
-// Puts the places of a names file that `map` has into it. Where it hasn't got all of them, the file
-// is written beside `path`, where the map goes, under a name that is free, and that name returned.
-// Throws MapError(kFileUnwritable).
+// Puts those places of a names file that `map` has into it. If it doesn't have all of them, the
+// file is written beside `path`, where the map goes, under a free name, which is returned. Throws
+// MapError(kFileUnwritable).
 std::optional<std::filesystem::path> KeepNames(const std::string& names,
                                                const std::filesystem::path& path, MapData& map);
 

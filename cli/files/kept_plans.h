@@ -28,9 +28,9 @@ struct PlanApart {
   std::filesystem::path image;  // where its image is now
 };
 
-// Puts the plans into `map` where its positions are in the same frame. Where they aren't, the
-// images are written beside `path`, where the map goes, under names that are free, and returned.
-// Throws MapError(kFileUnwritable).
+// Puts the plans into `map` if its positions are in the same frame. If they aren't, the images are
+// written beside `path`, where the map goes, under free names, and returned. Throws
+// MapError(kFileUnwritable).
 std::vector<PlanApart> KeepPlans(const KeptPlans& kept, const std::filesystem::path& path,
                                  MapData& map);
 

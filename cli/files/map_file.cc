@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "core/base/error.h"
@@ -62,6 +63,12 @@ std::ifstream OpenText(const std::filesystem::path& path, const std::string& wan
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) RefuseFile(path, std::strerror(errno), wanted);
+  // Some editors put a byte order mark in front of UTF-8.
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  std::string start(kByteOrderMark.size(), '\0');
+  if (in.read(start.data(), std::ssize(start)) && start == kByteOrderMark) return in;
+  in.clear();
+  in.seekg(0);
   return in;
 }
 

@@ -27,15 +27,15 @@ constexpr const char* kWanted = "a file of poses";
 constexpr size_t kKittiNumbers = 12;
 constexpr size_t kColmapFields = 10;
 
-// Of positions, in any unit: far beyond the Earth's own frame in millimetres.
+// Bound on positions, in any unit: far beyond an Earth-centred frame in millimetres.
 constexpr double kMostPosition = 1e12;
-// Of the rotations of KITTI's poses, by their 9 numbers.
+// Bound on how far the 9 numbers of a KITTI pose may be from a rotation.
 constexpr double kMostSkew = 0.1;
 constexpr const char* kNoPose =
     "not a pose: the rotation must be one (a quaternion other than 0), and no coordinate beyond "
     "1e12";
 
-// Not a number, where the quaternion is 0.
+// NaN where the quaternion is 0.
 Eigen::Isometry3d PoseOf(const Eigen::Vector3d& at, const Eigen::Quaterniond& rotation) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = at;
@@ -43,7 +43,7 @@ Eigen::Isometry3d PoseOf(const Eigen::Vector3d& at, const Eigen::Quaterniond& ro
     pose.linear().setConstant(std::numeric_limits<double>::quiet_NaN());
     return pose;
   }
-  // Stable: a quaternion far from unit length is no reason for one that isn't a rotation.
+  // Stable: a quaternion of a length far from 1 must still give a rotation.
   pose.linear() =
       Eigen::Quaterniond(rotation.coeffs().stableNormalized().normalized()).toRotationMatrix();
   return pose;
@@ -78,6 +78,11 @@ std::vector<FilePose> ReadCsvPoses(const fs::path& path) {
   const auto name = FirstColumn(file, {"image", "keyframe", "id"});
   const auto frame = file.Column("frame");
   const auto time = file.Column("time_s");
+  if (!name && !frame && !time) {
+    file.Fail(1,
+              "the header has no column that tells which image a pose belongs to; add image, "
+              "keyframe, id, frame or time_s");
+  }
   std::vector<FilePose> poses;
   for (const CsvFile::Row& row : file.rows()) {
     const std::optional<TruePose> read = columns->Read(file, row);
@@ -135,7 +140,7 @@ std::vector<FilePose> ReadEurocPoses(const fs::path& path) {
   return poses;
 }
 
-// Rows of cells that may be empty; quotes are not expected in odometry.
+// The cells of a row, some of them perhaps empty; quotes are not expected in odometry.
 std::vector<std::string> SplitCells(std::string line) {
   if (line.ends_with('\r')) line.pop_back();
   std::vector<std::string> cells(1);
@@ -294,7 +299,7 @@ class TextPoses {
   }
 
  private:
-  // A comment, or what g2o holds beside the vertices.
+  // Whether it is a comment, or something else than vertices in a g2o file.
   static bool IsAside(const std::string& word) {
     return word.starts_with('#') || word.starts_with("EDGE_") || word == "FIX";
   }

@@ -12,8 +12,8 @@
 
 namespace waystone {
 
-// A pose of a file and what says which image it belongs to: its name, its time stamp or, without
-// either, its number in the sequence.
+// A pose from a file, and what tells which image it belongs to: its name, its time stamp or,
+// without either, its number in the sequence.
 struct FilePose {
   std::string name;
   std::optional<double> time_s;
@@ -21,13 +21,14 @@ struct FilePose {
   TruePose pose;
 };
 
-// Whether it is one that a file may have: finite, and no coordinate beyond 1e12, in any unit.
+// Whether a file may have this pose: finite, with no coordinate beyond 1e12, in any unit. Pure;
+// thread-safe.
 bool IsPose(const TruePose& pose);
 
 // The columns x, y, z of a CSV file and, where all four are there, qw, qx, qy, qz.
 class PoseColumns {
  public:
-  // Nothing where the header has none of the first three; fails where it has a part of them.
+  // Nothing where the header has none of the first three; fails where it has only some of them.
   static std::optional<PoseColumns> Find(const CsvFile& file);
   // Nothing for a row without a position. Fails for what isn't a number.
   std::optional<TruePose> Read(const CsvFile& file, const CsvFile::Row& row) const;
@@ -44,10 +45,10 @@ class PoseColumns {
 //                  end in pose.pose.position.x and so on, and header.stamp, or its seconds and
 //                  nanoseconds), also as `ros2 topic echo --csv` prints it, without a header
 //   .bin           COLMAP's images.bin
-//   TUM            "time x y z qx qy qz qw" a line
-//   KITTI          12 numbers a line, 3x4 by rows
+//   TUM            "time x y z qx qy qz qw" per line
+//   KITTI          12 numbers per line, 3x4 by rows
 //   COLMAP         images.txt
-//   g2o            VERTEX_SE3:QUAT lines, whose ids are numbers of frames
+//   g2o            VERTEX_SE3:QUAT lines, whose ids are frame numbers
 // All are world_from_camera but COLMAP's, which are inverted. Throws MapError: kFileUnreadable;
 // kBadRequest naming the line.
 std::vector<FilePose> ReadPoseFile(const std::filesystem::path& path);

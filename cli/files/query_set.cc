@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 #include <sstream>
 #include <string>
 #include <unordered_map>
@@ -39,7 +41,13 @@ std::vector<MappedImage> ImagesOf(const MapData& map) {
   return images;
 }
 
-// The images of a map by the names that people give them.
+// Inclusive.
+struct FrameNumbers {
+  int64_t first = 0;
+  int64_t last = std::numeric_limits<int64_t>::max();
+};
+
+// The images of the map by the names that people use.
 class ImageNames {
  public:
   explicit ImageNames(const MapIndex& index) : index_(index), images_(ImagesOf(index.map())) {
@@ -64,6 +72,27 @@ class ImageNames {
     const auto found = std::find_if(
         all.begin(), all.end(), [&](const Sequence& sequence) { return sequence.name == name; });
     return found == all.end() ? nullptr : &*found;
+  }
+
+  // The numbers that frames of a sequence may have. The map has how many there were, but not which
+  // (--from, --every): the step between them divides the distances of those it still has.
+  FrameNumbers NumbersOf(const Sequence& sequence) const {
+    std::vector<int64_t> known;
+    for (const MappedImage& image : images_) {
+      if (image.sequence == sequence.id) known.push_back(image.frame);
+    }
+    if (const auto& orientation = index_.map().orientation) {
+      for (const OrientationFrame& frame : orientation->frames) {
+        if (frame.sequence == sequence.id) known.push_back(frame.frame);
+      }
+    }
+    if (known.empty()) return {};
+    const auto [first, last] = std::ranges::minmax(known);
+    int64_t step = 0;
+    for (const int64_t number : known) step = std::gcd(step, number - first);
+    if (step == 0) return {};  // a single one
+    return {std::clamp<int64_t>(last - step * (sequence.frames - 1), 0, first),
+            std::max(last, first + step * sequence.frames - 1)};
   }
 
   // Of each layer, the last image at or before a frame and the first one at or after it.
@@ -143,7 +172,14 @@ FrameName ParseFrame(const CsvFile& file, int line, const std::string& cell,
                  ? "the map has several sequences; specify the frame as sequence:frame"
                  : "the map has no sequence \"" + sequence_name + "\"; `waystone info` lists them");
   }
-  return {sequence->id, std::stoi(number)};
+  const int frame = std::stoi(number);
+  const FrameNumbers numbers = names.NumbersOf(*sequence);
+  if (frame < numbers.first || frame > numbers.last) {
+    FailName(file, line,
+             "frame " + cell + " is outside of the mapped sequence, whose frames are " +
+                 std::to_string(numbers.first) + " to " + std::to_string(numbers.last));
+  }
+  return {sequence->id, frame};
 }
 
 // How a file says where a row belongs.
@@ -237,7 +273,7 @@ std::vector<LabelledQuery> ReadPosedImages(const fs::path& folder, const ImagePo
     const std::string stem = queries[i].image.stem().string();
     const double time = ToNumber(stem).value_or(std::numeric_limits<double>::quiet_NaN());
     const auto time_s = std::isfinite(time) ? std::optional(time) : std::nullopt;
-    constexpr double kMostFrames = 1e9;  // larger numbers are times alone
+    constexpr double kMostFrames = 1e9;  // larger numbers can only be times
     const int order = std::abs(time) < kMostFrames ? static_cast<int>(time) : static_cast<int>(i);
     const std::optional<TruePose> pose = truth.Find(queries[i].image.string(), time_s, order);
     if (!pose) {

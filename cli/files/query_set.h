@@ -23,19 +23,19 @@ struct LabelledQuery {
 // anything else that makes no sense. Those about a line name it.
 std::vector<LabelledQuery> ReadQuerySet(const std::filesystem::path& path, const MapIndex& index);
 
-// The images of a folder, ordered by path, with their poses: true are all places of the map within
-// `near_m`. Throws MapError: kFileUnreadable; kBadSource for a folder without any; kNotFound for an
-// image without a pose.
+// The images of a folder, ordered by path, with their poses: all places of the map within `near_m`
+// metres are true. Throws MapError: kFileUnreadable; kBadSource for a folder without any; kNotFound
+// for an image without a pose.
 std::vector<LabelledQuery> ReadPosedImages(const std::filesystem::path& folder,
                                            const ImagePoses& truth, const PlacePoses& places,
                                            double near_m);
 
-// All images of a folder and the folders in it, ordered by path, as queries that aren't in the map.
+// All images of a folder and its subfolders, ordered by path, as queries that aren't in the map.
 // Throws MapError: kFileUnreadable; kBadSource for a folder without any.
 std::vector<LabelledQuery> ReadNegatives(const std::filesystem::path& folder);
 
-// Where the map's images were taken, as far as the poses say. Throws MapError(kNotFound) where they
-// say it of none.
+// Where the map's images were taken, as far as the poses say. Throws MapError(kNotFound) where no
+// image of the map has a pose.
 PlacePoses PosesOfPlaces(const ImagePoses& poses, const MapIndex& index);
 
 }  // namespace waystone

@@ -30,7 +30,7 @@ double NumberAt(const Json& json, std::initializer_list<const char*> path) {
   return value.is_number() ? value.get<double>() : 0;
 }
 
-// " in Kitchen near 7.jpg at (1.20, -3.45), heading 31 deg"; the heading with a position alone.
+// " in Kitchen near 7.jpg at (1.20, -3.45), heading 31 deg"; the heading only with a position.
 std::string Where(const Json& answer) {
   const std::string name = TextAt(answer, {"place", "name"});
   const std::string image = TextAt(answer, {"place", "image"});
@@ -93,8 +93,30 @@ std::string UnescapedLine(const Json& answer) {
   return line + time + ")";
 }
 
+// " (2 of 5 maps weren't searched: hall too_large, lab failed)": of a query of all maps.
+std::string UnsearchedText(const Json& answer) {
+  constexpr int kMostNamed = 5;
+  const Json searched = At(answer, {"searched"});
+  if (At(answer, {"partial"}) != true || !searched.is_array()) return "";
+  if (searched.empty()) return " (no map was searched)";
+  int count = 0;
+  std::string names;
+  for (const Json& map : searched) {
+    const std::string state = TextAt(map, {"state"});
+    if (state.empty() || state == "asked" || ++count > kMostNamed) continue;
+    names += (names.empty() ? "" : ", ") + TextAt(map, {"map"}) + " " + state;
+  }
+  if (count == 0) return "";
+  if (count > kMostNamed) names += ", ...";
+  return " (" + std::to_string(count) + " of " + std::to_string(searched.size()) +
+         (searched.size() == 1 ? " map " : " maps ") + (count == 1 ? "wasn't" : "weren't") +
+         " searched: " + names + ")";
+}
+
 }  // namespace
 
-std::string AnswerLine(const Json& answer) { return Printable(UnescapedLine(answer)); }
+std::string AnswerLine(const Json& answer) {
+  return Printable(UnescapedLine(answer) + UnsearchedText(answer));
+}
 
 }  // namespace waystone

@@ -81,7 +81,7 @@ void FramesLines(std::ostream& out, const std::string& label, const FrameReport&
 }
 
 std::string OwnImagesText(const OwnImages& own) {
-  return std::to_string(own.found) + " of " + std::to_string(own.asked) + " found";
+  return std::to_string(own.found) + " of " + std::to_string(own.asked) + " localized";
 }
 
 // Whether the map finds its own images, and a warning where it doesn't.
@@ -90,8 +90,8 @@ void OwnImagesLines(std::ostream& out, const OwnImages& own) {
   if (own.AreFound()) return;
   Line(out, "warning",
        std::to_string(100 * (own.asked - own.found) / own.asked) +
-           "% of the map's own images are not localized at their place: it has little texture, or "
-           "places that look alike; add images or record it more densely");
+           " % of the map's own images are not localized at their place: the scene has little "
+           "texture or places that look alike; add images or record it more densely");
 }
 
 Json OwnImagesJson(const OwnImages& own) { return {{"asked", own.asked}, {"found", own.found}}; }
@@ -141,7 +141,7 @@ void OrientationLines(std::ostream& out, const MapData& map, const OrientationRe
 std::string PoseNoiseText(const PoseNoiseReport& report) {
   if (report.measured < report.kFewest) {
     return "not measured: too few keyframes (" + std::to_string(report.measured) +
-           ") see what others show; covariances of answers are of the query's features alone";
+           ") see what others show; covariances of answers come from the query's features only";
   }
   return Digits(report.noise.position_sigma, 3) + " and " +
          Digits(report.noise.rotation_sigma_rad * kDegreesPerRadian, 2) +
@@ -152,7 +152,7 @@ std::string PoseNoiseText(const PoseNoiseReport& report) {
 void PosesLines(std::ostream& out, const PoseReport& report) {
   Line(out, "poses",
        std::to_string(report.posed) + " of " + std::to_string(report.keyframes) + " keyframes, " +
-           std::to_string(std::lround(100 * report.consistent)) + "% of their matches agree; " +
+           std::to_string(std::lround(100 * report.consistent)) + " % of their matches agree; " +
            std::to_string(report.placed) + " of " + std::to_string(report.features) +
            " features placed, " + std::to_string(report.contradicting) + " contradict the poses; " +
            Plural(report.planes, "plane") + " fitted");
@@ -163,9 +163,9 @@ void PosesLines(std::ostream& out, const PoseReport& report) {
 std::string NodeErrorsText(const std::optional<NodePoseErrors>& errors, int measured) {
   if (!errors) {
     return "not measured: too few panoramas (" + std::to_string(measured) +
-           ") are found without themselves; answers take the program's own";
+           ") are localized in the map without themselves; answers use the program's defaults";
   }
-  return "stated positions times " + Digits(errors->position_factor, 2) + ", height " +
+  return "stated position deviations times " + Digits(errors->position_factor, 2) + ", height " +
          Digits(errors->height_sigma, 3) + ", heading " +
          Digits(errors->heading_sigma_rad * kDegreesPerRadian, 2) + " and tilt " +
          Digits(errors->tilt_sigma_rad * kDegreesPerRadian, 2) + " degrees, on " +
@@ -178,8 +178,8 @@ void NodePosesLines(std::ostream& out, const NodePoseReport& report, const MapDa
   if (!report.first_without.empty()) text += " (first without: " + report.first_without + ")";
   if (report.posed > 0) {
     text += report.consistent ? ", " + std::to_string(std::lround(100 * *report.consistent)) +
-                                    "% of the motions between them agree"
-                              : ", not compared with what they show: too few see the same or turn";
+                                    " % of the motions between them agree"
+                              : ", not checked against the images: too few share a view or turn";
   }
   Line(out, "poses", text);
   if (report.posed == 0) return;
@@ -232,8 +232,7 @@ void PlanesLines(std::ostream& out, const PlaneReport& report) {
   Line(out, "planes", PlanesText(report));
   if (report.keyframes_linked > 0) {
     Line(out, "revisits",
-         std::to_string(report.keyframes_linked) +
-             " keyframes linked with others of the same place");
+         std::to_string(report.keyframes_linked) + " keyframes linked to others of the same place");
   }
   OwnImagesLines(out, report.own);
   Line(out, "seconds",
@@ -347,7 +346,7 @@ std::string TablesText(const std::vector<TableSize>& sizes) {
                    [](const TableSize& a, const TableSize& b) { return a.bytes > b.bytes; });
   std::ostringstream text;
   for (const TableSize& size : sorted) {
-    if (size.rows == 0) continue;  // of a layer that the map doesn't have
+    if (size.rows == 0) continue;  // of a layer that the map lacks
     text << "  " << std::left << std::setw(25) << size.table << std::right << std::setw(10)
          << size.rows << " rows" << std::setw(12) << BytesText(static_cast<uint64_t>(size.bytes))
          << '\n';

@@ -15,13 +15,13 @@ namespace waystone {
 
 std::string BytesText(uint64_t bytes);       // "1.9 MB"
 std::string CountsText(const MapData& map);  // "61 keyframes, 23 planes, 9 surfaces, ..."
-std::string TablesText(const std::vector<TableSize>& sizes);  // a line a table, largest first
+std::string TablesText(const std::vector<TableSize>& sizes);  // a line per table, largest first
 // A layer's sizes; null where there is none.
 Json AppearanceJson(const MapData& map);
 Json OrientationJson(const MapData& map);
 Json TablesJson(const std::vector<TableSize>& sizes);
 
-// A finished build: the map, what became of the frames, and seconds by stage.
+// A finished build: the map, what became of the frames, and seconds per stage.
 struct BuildSummary {
   std::string path;
   std::string version;

@@ -19,7 +19,7 @@ const std::array<cv::Scalar, 3> kColours{cv::Scalar(60, 60, 240), cv::Scalar(70,
                                          cv::Scalar(255, 140, 40)};
 const cv::Scalar kNone(170, 170, 170);
 
-// A point of an image in the enlarged one, for drawing with kShift.
+// A point of an image in the enlarged one, as coordinates for drawing with kShift.
 cv::Point At(const Eigen::Vector2d& px, double scale) {
   const Eigen::Vector2d at = (scale * (px.array() + 0.5) - 0.5) * (1 << kShift);
   return {static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y()))};

@@ -11,7 +11,7 @@
 
 namespace waystone {
 
-// The images of a moment (CV_8UC1, one a camera of the rig) side by side in colour (BGR), with
+// The images of a moment (CV_8UC1, one per camera of the rig) side by side in colour (BGR), with
 // their lines in the colours of their axes: 1 red, 2 green, 3 blue, none grey. The arrows in a
 // corner are the axes as that camera sees them; a ring is a vanishing point in the image. Small
 // images are enlarged. `frame` is that of `lines`. Pure; thread-safe.

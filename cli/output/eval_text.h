@@ -13,7 +13,7 @@ namespace waystone {
 std::string EvaluationText(const Evaluation& evaluation);
 Json EvaluationJson(const Evaluation& evaluation);
 
-// The answers that were false: localized elsewhere, or though they aren't in the map.
+// The false answers: localized at another place, or although they aren't in the map.
 std::string MistakesText(const MapIndex& index, const std::vector<ScoredQuery>& queries);
 // Every query that wasn't answered as it should be: false, missed or unsure.
 Json FailuresJson(const MapIndex& index, const std::vector<ScoredQuery>& queries);

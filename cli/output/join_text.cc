@@ -66,7 +66,7 @@ std::string HistoryText(const MapData& map) {
   }
   if (parts.size() > 1) {
     out << "  warning   the map has " << parts.size()
-        << " parts that show nothing in common; add a walk that leads from one to another\n";
+        << " parts that have no views in common; add a walk that leads from one to another\n";
     int number = 0;
     for (const auto& part : parts) {
       out << "  part " << ++number << "    " << SequencesText(map, part) << '\n';
@@ -82,7 +82,7 @@ std::string JoinText(const std::string& path, const JoinResult& result) {
       << "  joined    " << Counted(result.report.keyframes_recognised, "keyframe")
       << " recognised in another session, " << Counted(result.report.planes_fused, "plane")
       << " fused, " << Counted(result.report.surfaces_joined, "pair")
-      << " of planes joined as one surface\n";
+      << " of planes joined into one surface\n";
   if (result.map.appearance) {
     out << "  joined    " << Counted(result.report.panoramas_recognised, "panorama")
         << " recognised in another session, tied by " << Counted(result.report.loops, "loop")
@@ -91,10 +91,10 @@ std::string JoinText(const std::string& path, const JoinResult& result) {
   if (result.map.orientation) {
     out << "  joined    " << Counted(result.report.orientation_loops, "loop")
         << " between orientation layers, " << Counted(result.report.sequences_turned, "sequence")
-        << " turned into the building's axes\n";
+        << " rotated to the building's axes\n";
   }
   if (result.report.features_looked_for > 0) {
-    out << "  looked    for " << Counted(result.report.features_looked_for, "feature")
+    out << "  searched  for " << Counted(result.report.features_looked_for, "feature")
         << " of the map again, and found " << result.report.features_found << '\n';
   }
   for (const std::string& name : result.report.floor_plans) {
@@ -112,7 +112,7 @@ std::string RemovalText(const std::string& path, const RemoveResult& result) {
       << "  removed   " << Counted(report.keyframes, "keyframe") << ", "
       << Counted(report.planes, "plane") << ", " << Counted(report.edges, "edge") << ", "
       << Counted(report.sequences, "sequence") << "; " << Counted(report.planes_anchored, "plane")
-      << " with another reference image\n";
+      << " moved to another reference image\n";
   if (report.panoramas > 0 || report.orientation_frames > 0) {
     out << "  removed   " << Counted(report.panoramas, "panorama") << ", "
         << Counted(report.orientation_frames, "orientation frame") << '\n';
@@ -131,7 +131,7 @@ std::string PruneText(const std::string& path, const PruneResult& result) {
   const PruneReport& report = result.report;
   std::ostringstream out;
   out << path << ": " << CountsText(result.map) << '\n'
-      << "  looked    for " << Counted(report.looked_for, "feature") << " of the map again\n"
+      << "  searched  for " << Counted(report.looked_for, "feature") << " of the map again\n"
       << "  removed   " << Counted(report.plane_features, "feature") << " of planes, "
       << Counted(report.landmarks, "landmark") << ", " << Counted(report.edges, "edge") << '\n';
   for (const MissingSession& session : report.sessions) {
@@ -142,7 +142,8 @@ std::string PruneText(const std::string& path, const PruneResult& result) {
   for (const PrunedPlane& plane : report.planes) {
     out << "  plane " << plane.id.value << " of keyframe " << plane.reference.value << ": "
         << plane.features << " removed, "
-        << (plane.left == 0 ? "too few left; it is gone" : std::to_string(plane.left) + " left")
+        << (plane.left == 0 ? "too few left; the plane is removed"
+                            : std::to_string(plane.left) + " left")
         << '\n';
   }
   for (const std::string& name : report.names) {

@@ -23,7 +23,7 @@ Json RemovalJson(const std::string& path, const RemoveResult& result);
 std::string PruneText(const std::string& path, const PruneResult& result);
 Json PruneJson(const std::string& path, const PruneResult& result);
 
-// A line a session, and a line a part where there are several: what `info` adds for a map with a
+// One line per session, and one per part where there are several: what `info` adds for a map with a
 // history or of several parts. Empty for others.
 std::string HistoryText(const MapData& map);
 

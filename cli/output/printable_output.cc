@@ -50,7 +50,7 @@ int PrintableBuffer::sync() {
 
 PrintableOutput::PrintableOutput(std::ostream& stream)
     : stream_(stream), raw_(stream.rdbuf()), buffer_(*raw_) {
-  RawErrors();  // before the buffer of std::cerr changes
+  RawErrors();  // before std::cerr's buffer is replaced
   stream_.rdbuf(&buffer_);
 }
 

@@ -34,8 +34,8 @@ class PrintableBuffer : public std::streambuf {
   int error_ = 0;
 };
 
-// Makes a stream printable while it exists. What writes control characters on purpose writes to
-// raw().
+// Makes a stream printable while it exists. What writes control characters to std::cerr on purpose
+// writes to RawErrors(). Not thread-safe.
 class PrintableOutput {
  public:
   explicit PrintableOutput(std::ostream& stream);
@@ -52,7 +52,7 @@ class PrintableOutput {
   PrintableBuffer buffer_;
 };
 
-// The terminal behind std::cerr, for what draws on it.
+// The terminal behind std::cerr, for code that draws on it.
 std::ostream& RawErrors();
 
 }  // namespace waystone

@@ -93,7 +93,7 @@ void ProgressMeter::Print(const State& state) {
   } else if (style_ == ProgressStyle::kLines) {
     out_ << text << std::endl;
   } else {
-    // \x1b[K clears what a longer line before left standing.
+    // \x1b[K clears what is left of a longer line before.
     out_ << '\r' << Bar(state) << ' ' << text << "\x1b[K" << std::flush;
     drawn_ = true;
   }

@@ -11,16 +11,17 @@ enum class ProgressStyle {
   kNone,
   kBar,    // a bar that is drawn over itself: for terminals
   kLines,  // a plain line every few seconds: for logs
-  kJson,   // a JSON object a line, as often
+  kJson,   // a JSON object per line, as often
 };
 
-// "auto", "none" or "json" as the user said it; auto is a bar where stderr is a terminal.
+// For "auto", "none" or "json", as the user says; auto is a bar where stderr is a terminal. Throws
+// MapError(kUsage) for another name.
 ProgressStyle ProgressStyleByName(const std::string& name, bool quiet);
 
-// Whether colours are welcome on stderr: a terminal, and no NO_COLOR in the environment.
+// Whether to use colours on stderr: on a terminal, without NO_COLOR in the environment.
 bool ColoursWelcome();
 
-// Shows how far a long job is, and how long it will take. Not thread-safe.
+// Shows how far a long job is, and how long it will still take. Not thread-safe.
 class ProgressMeter {
  public:
   struct State {
@@ -30,7 +31,7 @@ class ProgressMeter {
     std::string note;  // "61 keyframes, 14 planes"
   };
 
-  // Seconds since some moment that never changes; tests bring their own.
+  // Seconds since some fixed moment; tests pass their own.
   using Clock = std::function<double()>;
   static double Now();
 

@@ -24,7 +24,7 @@ Eigen::AlignedBox2d BoxOf(const std::vector<PlotLine>& lines) {
   for (const PlotLine& line : lines) {
     for (const Eigen::Vector2d& point : line.points) box.extend(point);
   }
-  // A trajectory along one axis still has a picture.
+  // A trajectory along one axis must have a picture, too.
   const double side = std::max(box.sizes().maxCoeff(), 1e-9);
   const Eigen::Vector2d margin = (0.25 * side - 0.5 * box.sizes().array()).max(0.05 * side);
   return {box.min() - margin, box.max() + margin};

@@ -15,8 +15,9 @@ struct PlotLine {
   Points2 points;      // metres
 };
 
-// An SVG picture of trajectories seen from above, x to the right, y up, one scale for both, with a
-// grid, a legend and a mark where each begins. Every list has a point; all are finite.
+// An SVG picture of trajectories seen from above, x to the right, y up, at one scale for both, with
+// a grid, a legend and a mark where each begins. Every line has a point, and all are finite. Pure;
+// thread-safe.
 std::string PlotTrajectories(const std::string& title, const std::vector<PlotLine>& lines);
 
 }  // namespace waystone

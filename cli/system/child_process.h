@@ -11,8 +11,8 @@ namespace waystone {
 // A program started by this one. Not thread-safe.
 class ChildProcess {
  public:
-  // Starts arguments[0] with the rest. With `capture`, its stdout comes to ReadLine(); otherwise it
-  // is ours. Throws MapError(kInternal) when it can't be started.
+  // Starts arguments[0] with the rest. With `capture`, ReadLine() reads its stdout; otherwise it
+  // writes to ours. Throws MapError(kInternal) when it can't be started.
   ChildProcess(const std::vector<std::string>& arguments, bool capture);
   ~ChildProcess();  // ends it with SIGTERM and waits
   ChildProcess(const ChildProcess&) = delete;
@@ -30,7 +30,7 @@ class ChildProcess {
   int out_ = -1;
 };
 
-// The path of this very program.
+// The path of the running program.
 std::string ThisProgram();
 
 }  // namespace waystone

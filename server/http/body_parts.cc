@@ -104,7 +104,7 @@ std::vector<BodyPart> ParseMultipart(std::string_view body, const std::string& c
       RefuseBody("the form has more than " + std::to_string(max_parts) +
                  " parts; send fewer images");
     }
-    // Of an empty part the blank line's end is the boundary's beginning.
+    // In an empty part, the end of the blank line is the beginning of the boundary.
     const size_t begin = std::min(at + 2, end);
     parts.push_back(ParsePart(body.substr(begin, end - begin)));
     at = end + next.size();

@@ -15,7 +15,7 @@ constexpr size_t kMaxSizeDigits = 15;  // no overflow
   throw MapError(ErrorCode::kBadRequest, "malformed chunked body: " + cause);
 }
 
-// Of "1a;name=value".
+// The size in "1a;name=value".
 int64_t ParseChunkSize(std::string_view line) {
   std::string_view digits = line.substr(0, line.find(';'));
   while (!digits.empty() && (digits.back() == ' ' || digits.back() == '\t'))
@@ -24,7 +24,7 @@ int64_t ParseChunkSize(std::string_view line) {
   const char* const end = digits.data() + digits.size();
   const bool sound = !digits.empty() && digits.size() <= kMaxSizeDigits && digits[0] != '-' &&
                      std::from_chars(digits.data(), end, size, 16).ptr == end;
-  if (!sound) FailOnChunk("the size of a chunk is no hexadecimal number");
+  if (!sound) FailOnChunk("the size of a chunk is not a hexadecimal number");
   return size;
 }
 

@@ -7,16 +7,16 @@
 
 namespace waystone {
 
-// Of a chunk's size with its extensions, and of a trailer.
+// Bounds on the line of a chunk's size with its extensions, and on the trailers.
 constexpr size_t kMaxChunkLineBytes = 1024;
 constexpr int kMaxTrailers = 20;
 
-// Takes the chunks of a body (RFC 9112, section 7.1) apart. Extensions and trailers are read over.
-// Inside server/http only.
+// Decodes a chunked body (RFC 9112, section 7.1). Extensions and trailers are ignored. Internal to
+// server/http. Not thread-safe.
 class ChunkedBody {
  public:
-  // Appends to `body` what `bytes` hold of it, and returns how many of them were taken: all, but
-  // for what follows the end. Throws MapError(kBadRequest) for what is no chunk.
+  // Appends what `bytes` hold of the body to `body`, and returns how many of them were taken: all
+  // but those after the body's end. Throws MapError(kBadRequest) for malformed chunks.
   size_t Take(std::string_view bytes, std::string& body);
 
   bool complete() const { return part_ == Part::kEnd; }

@@ -7,8 +7,8 @@
 namespace waystone {
 namespace {
 
-// How much of a body that nobody wants is read, as a multiple of the limit, so that the connection
-// can be used again.
+// How much of an unwanted body is read, as a multiple of the limit: of one in chunks so that the
+// connection can be used again, of others so that the client gets to reading the answer.
 constexpr int kDrainFactor = 2;
 // Before a request: some clients send one after a body.
 constexpr int kMaxEmptyLines = 8;
@@ -55,11 +55,17 @@ void Connection::Enter(ConnectionState state) {
   }
 }
 
-// A head's time runs from its first byte on.
+// A head's time runs from its first byte.
 void Connection::TimeHead() {
   if (state_ != ConnectionState::kHead || is_idle()) return;
   since_ = Clock::now();
   deadline_ = After(since_, options_.head_timeout_s);
+}
+
+// For more of it, wanted or not.
+void Connection::WaitForBody() {
+  deadline_ = std::min(After(Clock::now(), options_.read_timeout_s),
+                       After(since_, options_.body_timeout_s));
 }
 
 void Connection::OnTimeout() {
@@ -83,14 +89,11 @@ void Connection::Receive(std::string_view bytes) {
   if (state_ == ConnectionState::kClosing) {
     discarded_ += static_cast<int64_t>(bytes.size());
     finished_ |= discarded_ > kDrainFactor * options_.max_body_bytes;
-    return;
+    return WaitForBody();
   }
   const bool was_idle = is_idle();
   in_ += bytes;
-  if (state_ == ConnectionState::kBody) {
-    deadline_ = std::min(After(Clock::now(), options_.read_timeout_s),
-                         After(since_, options_.body_timeout_s));
-  }
+  if (state_ == ConnectionState::kBody) WaitForBody();
   Advance();
   if (was_idle) TimeHead();
 }
@@ -101,7 +104,7 @@ void Connection::ReceiveEnd() {
       state_ == ConnectionState::kHead || state_ == ConnectionState::kClosing;
   if (waits_for_client && !ready_) finished_ = true;
   if (state_ == ConnectionState::kBody) {
-    FailBody({ErrorCode::kBadRequest, "the request body is shorter than its Content-Length"});
+    FailBody({ErrorCode::kBadRequest, "the connection ended before the request body did"});
   }
 }
 
@@ -144,13 +147,8 @@ void Connection::StartBody() {
   if (!admit_(head_.authorization)) {
     return FailBody({ErrorCode::kUnauthorized, "the request body was not read"});
   }
-  if (head_.body_bytes > kDrainFactor * options_.max_body_bytes) {
-    received_ = head_.body_bytes;
-    return HoldBody(0);
-  }
-  if (!head_.expects_continue) return;
   if (head_.body_bytes > options_.max_body_bytes) return FailBody(TooLarge());
-  out_ += kContinue;
+  if (head_.expects_continue) out_ += kContinue;
 }
 
 void Connection::ReadBody() {
@@ -176,7 +174,7 @@ void Connection::ReadBody() {
   if (complete && !ready_) Settle();
 }
 
-// Takes the body's new bytes into account, and drops them where they are too many.
+// Counts the body's new bytes, and drops the body when it gets too large.
 void Connection::HoldBody(size_t before) {
   const auto grown = static_cast<int64_t>(body_.size() - before);
   if (received_ > options_.max_body_bytes) {
@@ -222,7 +220,7 @@ void Connection::Settle() {
 }
 
 ReceivedRequest Connection::TakeRequest() {
-  constexpr const char* kAnyHead = "GET / HTTP/1.1\r\n\r\n";  // of an answer that is fixed
+  constexpr const char* kAnyHead = "GET / HTTP/1.1\r\n\r\n";  // the answer doesn't depend on it
   ready_ = false;
   return {.head = head_.refusal ? kAnyHead : std::exchange(head_.text, {}),
           .method = std::exchange(head_.method, {}),

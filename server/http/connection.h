@@ -20,10 +20,11 @@ enum class ConnectionState {
   kBody,     // the rest of it
   kAnswer,   // ours
   kWriting,  // the client taking the answer
-  kClosing,  // the client closing: a close with unread bytes would reset the answer away under it
+  kClosing,  // the client's close: ours, with bytes unread, would be a reset that loses the answer
 };
 
-// Bytes that are held for clients, with a limit. For one thread.
+// Bytes held for clients, with a limit. Take() counts them in any case, and says whether the limit
+// still holds. Not thread-safe.
 class ByteBudget {
  public:
   explicit ByteBudget(int64_t limit) : limit_(limit) {}
@@ -36,17 +37,18 @@ class ByteBudget {
   int64_t used_ = 0;
 };
 
-// Of all connections of a server.
+// The budgets of all connections of a server.
 struct ByteBudgets {
   ByteBudget bodies;
   ByteBudget answers;
 };
 
-// One client's bytes, in and out, without its socket: takes what arrives, gives whole requests,
-// takes their answers, one at a time and in order. For one thread. Inside server/http only.
+// One client's bytes, in and out, without its socket: takes the bytes that arrive, hands out whole
+// requests, and takes their answers, one at a time and in order. Internal to server/http. Not
+// thread-safe.
 class Connection {
  public:
-  // What it refers to has to outlive it.
+  // The references must outlive it.
   Connection(std::string remote, const HttpOptions& options, const HttpServer::Admit& admit,
              ByteBudgets& budgets);
   ~Connection();
@@ -54,14 +56,14 @@ class Connection {
   Connection& operator=(const Connection&) = delete;
 
   ConnectionState state() const { return state_; }
-  // Nothing more can come of it.
+  // Whether nothing more can come of it.
   bool finished() const { return finished_; }
-  // Waits for a request of which no byte has arrived. Empty lines, or the first half of one, are
-  // none of its bytes.
+  // Whether it waits for a request of which no byte has arrived. Empty lines before it, or the
+  // first half of one, don't count.
   bool is_idle() const { return state_ == ConnectionState::kHead && (in_.empty() || in_ == "\r"); }
-  // In this state since.
+  // Since when it is in this state; in a head, since its first byte.
   Clock::time_point since() const { return since_; }
-  // To call OnTimeout then.
+  // When OnTimeout is to be called.
   Clock::time_point deadline() const { return deadline_; }
   void OnTimeout();
 
@@ -70,13 +72,14 @@ class Connection {
   void ReceiveEnd();                 // the client sends no more
   void Fail() { finished_ = true; }  // the client takes no more
 
-  // A request has arrived, or is to be refused: taken once, and answered with TakeAnswer.
+  // Whether a request has arrived, or is to be refused: it is taken once, and answered with
+  // TakeAnswer.
   bool has_request() const { return ready_; }
   bool is_urgent() const { return head_.is_urgent; }
   ReceivedRequest TakeRequest();
   void TakeAnswer(const SentResponse& answer);
 
-  // What is to be written now, and how much of it was.
+  // What is to be written now; Sent() says how much of it was.
   std::string_view out() const { return std::string_view(out_).substr(sent_); }
   void Sent(size_t bytes);
 
@@ -93,6 +96,7 @@ class Connection {
   void Settle();
   void Enter(ConnectionState state);
   void TimeHead();
+  void WaitForBody();
   void ReturnBody();
 
   const HttpOptions& options_;

@@ -102,8 +102,9 @@ class ConnectionLoop::Impl {
 
   // Whether new connections are taken.
   void Listen(bool wanted) {
-    poller_.Watch(listener_.get(), kListener, listens_ ? EPOLLIN : 0U, wanted ? EPOLLIN : 0U);
-    listens_ = wanted;
+    const bool changed =
+        poller_.Watch(listener_.get(), kListener, listens_ ? EPOLLIN : 0U, wanted ? EPOLLIN : 0U);
+    if (changed) listens_ = wanted;
   }
 
   void Run() {
@@ -238,7 +239,10 @@ class ConnectionLoop::Impl {
     }
     const uint32_t wanted = (client.connection.wants_input() ? EPOLLIN : 0U) |
                             (client.connection.out().empty() ? 0U : EPOLLOUT);
-    poller_.Watch(client.socket.get(), it->first, client.watched, wanted);
+    if (!poller_.Watch(client.socket.get(), it->first, client.watched, wanted)) {
+      clients_.erase(it);  // no event would ever come
+      return;
+    }
     client.watched = wanted;
   }
 

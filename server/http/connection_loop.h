@@ -13,7 +13,7 @@ namespace waystone {
 // All sockets of the server, in one thread: takes connections, reads whole requests within the
 // bounds of HttpOptions, hands them to the threads of a RequestPool, and writes what these answer.
 // No client holds a thread, however slowly it sends or reads. Where connections run out, the one
-// that has been idle longest makes room, else the slowest one. Inside server/http only.
+// that has been idle longest makes room, else the slowest one. Internal to server/http.
 class ConnectionLoop {
  public:
   using Answer = std::function<SentResponse(ReceivedRequest)>;

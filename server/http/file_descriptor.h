@@ -7,7 +7,8 @@
 
 namespace waystone {
 
-// Closes the descriptor that it holds; below 0 it holds none. Inside server only.
+// Owns a file descriptor, and closes it; with a negative one it owns none. Internal to server. Not
+// thread-safe.
 class FileDescriptor {
  public:
   explicit FileDescriptor(int fd) : fd_(fd) {}

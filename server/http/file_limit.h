@@ -3,9 +3,10 @@
 
 namespace waystone {
 
-// Raises the limit on open files so that there may be `wanted` connections besides the program's
-// other files, as far as the system lets it. How many connections there may be. Throws
-// MapError(kBadOptions) where few are left. Inside server/http only.
+// Raises the process's limit on open files, as far as the system allows, so that `wanted`
+// connections fit beside the program's other files. Returns how many connections there may be, at
+// most `wanted`. Throws MapError(kBadOptions) where fewer than 16 are left, and fewer than wanted.
+// Internal to server/http. To be called by one thread at a time.
 int RaiseFileLimit(int wanted);
 
 }  // namespace waystone

@@ -22,7 +22,7 @@ namespace {
 // Requests on one connection. The library's default of 5 would close good connections.
 constexpr int kRequestsPerConnection = 1'000'000;
 
-// The request that this thread answers; the library has no place of its own for it.
+// The request that this thread answers; the library has no place to put it.
 thread_local ReceivedRequest* current_request = nullptr;
 
 // What the library reads a head from and writes an answer to.
@@ -69,7 +69,8 @@ class MemoryStream : public httplib::Stream {
   std::string out_;
 };
 
-// The library is given the line of some request of that kind; the real one is read without it.
+// The library gets the request line of some request of that kind; the real one is parsed without
+// it.
 std::string HeadForLibrary(const ReceivedRequest& request) {
   const size_t line_end = request.head.find("\r\n");
   const size_t version = request.head.rfind(' ', line_end);
@@ -89,7 +90,7 @@ HttpRequest ToRequest(int port, ReceivedRequest& received) {
   } catch (const MapError& error) {
     if (!request.refusal) request.refusal = error;
   }
-  // As they came: the library decodes percent signs and drops empty ones.
+  // As they came: the library decodes percent signs and drops empty headers.
   request.header = [&received](const std::string& name) -> std::optional<std::string> {
     const auto is_named = [&](const auto& header) {
       return strcasecmp(header.first.c_str(), name.c_str()) == 0;
@@ -133,8 +134,8 @@ HttpResponse ProblemOf(const std::exception_ptr& thrown) {
   }
 }
 
-// The library says of a HEAD that ranges are served, and of a 304 that its content, which isn't
-// sent, is empty (RFC 9110, sections 14.3 and 8.6).
+// The library says in answers to HEAD that ranges are served, and in a 304 that its content, which
+// isn't sent, is empty (RFC 9110, sections 14.3 and 8.6).
 void CorrectHead(std::string& response) {
   const auto drop = [&response](std::string_view header) {
     const auto head = std::string_view(response).substr(0, response.find("\r\n\r\n"));
@@ -178,7 +179,7 @@ class HttpEngine::Library : public httplib::Server {
                              const std::exception_ptr& thrown) { Fill(ProblemOf(thrown), out); });
   }
 
-  // A template, because versions of the library differ in what they want to be told.
+  // A template, because versions of the library differ in the arguments they take.
   template <class Stream>
   bool Process(Stream& stream, const std::string& remote, bool close, bool& closed) {
     if constexpr (requires { this->process_request(stream, close, closed, nullptr); }) {

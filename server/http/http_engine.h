@@ -12,19 +12,19 @@
 
 namespace waystone {
 
-// A request whose bytes have all arrived. Inside server/http only.
+// A request whose bytes have all arrived. Internal to server/http.
 struct ReceivedRequest {
   std::string head;  // request line and headers, without those of the body's framing
   std::string method;
   std::string target;               // percent-encoded, from the path on
-  std::optional<std::string> host;  // that was asked
+  std::optional<std::string> host;  // the host asked for
   HttpHeaders headers;
   std::string body;
   std::string remote;                  // the client's address
-  Clock::time_point received;          // when the last byte was
+  Clock::time_point received;          // when the last byte arrived
   bool close = false;                  // the connection is closed after the answer
-  std::optional<MapError> refusal;     // the answer, instead of what the application says
-  std::optional<MapError> body_error;  // what whoever reads the body is told
+  std::optional<MapError> refusal;     // the answer, instead of the application's
+  std::optional<MapError> body_error;  // thrown to whoever reads the body
 };
 
 struct SentResponse {
@@ -32,15 +32,15 @@ struct SentResponse {
   bool close = false;
 };
 
-// From the bytes of a request to those of its answer. The HTTP library parses the headers and
-// writes the answer; it never sees a socket, a target or a body. Compression and ranges, which a
-// server may leave undone, are: the library takes the slowest setting of the first, and applies the
-// second to errors too, as often as it is asked.
+// Turns the bytes of a request into those of its answer. The HTTP library parses the headers and
+// writes the answer; it never sees a socket, a target or a body. Compression and ranges are
+// optional in HTTP, and are left out: the library uses the slowest setting of the former, and
+// applies the latter even to errors, as often as asked.
 class HttpEngine {
  public:
   using Dispatch = std::function<HttpResponse(const HttpRequest&)>;
 
-  // Of a server that listens on `port`; `keep_alive_s` is told to clients.
+  // For a server that listens on `port`; clients are told `keep_alive_s`.
   HttpEngine(Dispatch dispatch, int port, int keep_alive_s);
   ~HttpEngine();
   HttpEngine(const HttpEngine&) = delete;

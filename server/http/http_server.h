@@ -35,38 +35,40 @@ struct HttpOptions {
   static constexpr auto Fields(const auto& use) {
     using Self = HttpOptions;
     return use(
-        OptionField{"port", &Self::port, Closed(0, 65535), "", "0 takes any free one."},
+        OptionField{"port", &Self::port, Closed(0, 65535), "",
+                    "Port to listen on; 0 chooses any free one."},
         OptionField{"insecure", &Self::insecure, AnyValue(), "",
-                    "Listen on an address that other machines reach, although clients need no "
-                    "token."},
+                    "Listen on an address that other machines can reach even though clients need "
+                    "no token."},
         OptionField{"max_body_bytes", &Self::max_body_bytes, AtLeast(1), "bytes",
-                    "Of a request's body. A photo of 50 megapixels has about 15 MB."},
+                    "Maximum size of a request body. A photo of 50 megapixels takes about 15 MB."},
         OptionField{"max_bodies_bytes", &Self::max_bodies_bytes, AtLeast(1), "bytes",
-                    "Of all bodies that are held at once, at least max_body_bytes; the next one "
-                    "gets 429."},
+                    "Maximum total size of the bodies held at once, at least max_body_bytes; the "
+                    "next request gets 429."},
         OptionField{"max_connections", &Self::max_connections, Closed(1, 100'000), "",
-                    "Connections that are held at once. For the next one the connection that has "
-                    "been idle longest is closed, else the slowest one."},
+                    "Maximum number of open connections. For the next one, the connection that has "
+                    "been idle longest is closed, or else the slowest one."},
         OptionField{"request_threads", &Self::request_threads, Closed(1, 10'000), "",
-                    "Requests that are answered or wait for their turn at once, each by a thread. "
-                    "More than queries compute and wait, or nothing else is answered meanwhile."},
+                    "Maximum number of requests that are being answered or waiting, each in a "
+                    "thread. It should exceed the number of queries computed and waiting, or "
+                    "nothing else is answered in the meantime."},
         OptionField{"backlog", &Self::backlog, AtLeast(1), "",
-                    "Connections that the kernel keeps ready; it refuses more."},
+                    "Number of pending connections that the kernel queues; it refuses more."},
         OptionField{"keep_alive_s", &Self::keep_alive_s, AtLeast(1), "s",
-                    "How long an idle connection is kept."},
+                    "Time for which an idle connection is kept open."},
         OptionField{"head_timeout_s", &Self::head_timeout_s, AtLeast(1), "s",
-                    "Time in which a request line and its headers must arrive."},
+                    "Time within which the request line and headers must arrive."},
         OptionField{"read_timeout_s", &Self::read_timeout_s, AtLeast(1), "s",
-                    "Time without a byte of a body."},
+                    "Maximum time without receiving a byte of a body."},
         OptionField{"body_timeout_s", &Self::body_timeout_s, AtLeast(1), "s",
-                    "Time in which a whole body must arrive. Longer accepts larger photos over "
-                    "slow links."},
+                    "Time within which a whole body must arrive. Longer times accept larger photos "
+                    "over slow links."},
         OptionField{"write_timeout_s", &Self::write_timeout_s, AtLeast(1), "s",
-                    "Time in which the client accepts none of our bytes."},
+                    "Maximum time for which the client accepts no bytes of an answer."},
         OptionField{"answer_timeout_s", &Self::answer_timeout_s, AtLeast(1), "s",
-                    "Time in which the client must accept a whole answer."},
+                    "Time within which the client must accept a whole answer."},
         OptionField{"stop_timeout_s", &Self::stop_timeout_s, AtLeast(1), "s",
-                    "Time that the answers at hand are given when the server stops."});
+                    "Time that answers in progress are given when the server stops."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

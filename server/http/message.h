@@ -11,7 +11,7 @@
 #include "core/base/clock.h"
 #include "core/base/error.h"
 
-// A request and its response as our handlers see them: no HTTP library shows through.
+// A request and its response as handlers see them, whatever the HTTP library.
 namespace waystone {
 
 using HttpHeaders = std::vector<std::pair<std::string, std::string>>;  // in their order
@@ -22,14 +22,15 @@ struct HttpRequest {
   std::map<std::string, std::string> query;  // percent-decoded
   std::string id;      // names the request in logs: the client's X-Request-Id, or one of ours
   std::string remote;  // the client's address; empty when it isn't known
-  int port = 0;        // ours, that the request came to
-  Clock::time_point received = Clock::now();  // when its last byte was
-  // A header's value by its name in any case; nothing when it isn't there.
+  int port = 0;        // our port, at which the request arrived
+  Clock::time_point received = Clock::now();  // when its last byte arrived
+  // The value of a header, whose name is matched in any case; nothing when it isn't there.
   std::function<std::optional<std::string>(const std::string&)> header;
-  // Reads the whole body. To be called once at most. Throws MapError(kPayloadTooLarge) when it is
-  // over the server's limit and MapError(kBadRequest) when it ends early.
+  // Reads the whole body; to be called at most once. Throws MapError: kPayloadTooLarge over the
+  // server's limit, kBadRequest for a body that is malformed or ends early, kTooSlow, kBusy, and
+  // kUnauthorized.
   std::function<std::string()> read_body;
-  // The answer of a request that can't be read: method, path and headers may be missing then.
+  // The answer to a request that can't be read; method, path and headers may then be missing.
   std::optional<MapError> refusal = {};
 };
 
@@ -38,7 +39,7 @@ struct HttpResponse {
   std::string content_type;
   std::string body;
   HttpHeaders headers;
-  std::string route = {};  // the pattern whose handler answered, for logs; empty without one
+  std::string route = {};  // the pattern whose handler answered, for logs; empty if none did
 };
 
 }  // namespace waystone

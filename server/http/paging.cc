@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint64_t kDefaultLimit = 100;
 constexpr uint64_t kMaxLimit = 1000;
-// Cursors are row numbers in disguise, so that nobody counts on what they look like.
+// Cursors are row numbers in disguise, so that nobody relies on their form.
 constexpr std::string_view kCursorPrefix = "r";
 constexpr int kCursorBase = 16;
 

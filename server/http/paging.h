@@ -17,8 +17,8 @@ struct Page {
   std::string next;  // the cursor of the page after; empty at the end
 };
 
-// The rows of a list of `size` rows. Throws MapError(kBadRequest) for a limit or cursor that isn't
-// one.
+// The rows to give of a list of `size` rows. Throws MapError(kBadRequest) for an invalid limit or
+// cursor. Thread-safe.
 Page PageOf(const HttpRequest& request, size_t size);
 
 // {name: [the page's rows, as `render` makes row i of them], "next": cursor or null}.

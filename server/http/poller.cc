@@ -13,11 +13,11 @@ namespace {
 
 constexpr uint64_t kWakeUp = 0;  // the id of the descriptor that ends a Wait
 
-void Control(int epoll, int operation, int fd, uint32_t events, uint64_t id) {
+bool Control(int epoll, int operation, int fd, uint32_t events, uint64_t id) {
   epoll_event event{};
   event.events = events;
   event.data.u64 = id;
-  epoll_ctl(epoll, operation, fd, &event);
+  return epoll_ctl(epoll, operation, fd, &event) == 0;
 }
 
 }  // namespace
@@ -27,14 +27,16 @@ Poller::Poller()
   if (!epoll_.is_open() || !wake_up_.is_open()) {
     throw MapError(ErrorCode::kInternal, "no file descriptor is left for the server");
   }
-  Control(epoll_.get(), EPOLL_CTL_ADD, wake_up_.get(), EPOLLIN, kWakeUp);
+  if (!Control(epoll_.get(), EPOLL_CTL_ADD, wake_up_.get(), EPOLLIN, kWakeUp)) {
+    throw MapError(ErrorCode::kInternal, "the kernel watches no more file descriptors (epoll)");
+  }
 }
 
-void Poller::Watch(int fd, uint64_t id, uint32_t watched, uint32_t wanted) const {
-  if (wanted == watched) return;
+bool Poller::Watch(int fd, uint64_t id, uint32_t watched, uint32_t wanted) const {
+  if (wanted == watched) return true;
   const int operation =
       wanted == 0 ? EPOLL_CTL_DEL : (watched == 0 ? EPOLL_CTL_ADD : EPOLL_CTL_MOD);
-  Control(epoll_.get(), operation, fd, wanted, id);
+  return Control(epoll_.get(), operation, fd, wanted, id);
 }
 
 std::span<const epoll_event> Poller::Wait(int timeout_ms) {

@@ -11,20 +11,21 @@
 
 namespace waystone {
 
-// Waits for events of many descriptors (epoll), or until another thread wakes it up. Inside
-// server/http only.
+// Waits for events on many descriptors (epoll), or until another thread wakes it up. Internal to
+// server/http. Only WakeUp is thread-safe.
 class Poller {
  public:
-  Poller();  // throws MapError(kInternal) when there is no descriptor left
+  Poller();  // throws MapError(kInternal) when no descriptor is left or none can be watched
 
-  // Waits for `wanted` (EPOLLIN, EPOLLOUT; 0 for nothing) of `fd`, which was waited for with
-  // `watched` until now. Its events carry `id`, which isn't 0.
-  void Watch(int fd, uint64_t id, uint32_t watched, uint32_t wanted) const;
+  // Changes the awaited events of `fd` from `watched` to `wanted` (EPOLLIN, EPOLLOUT; 0 for none).
+  // Its events carry `id`, which isn't 0. Returns false, and changes nothing, where the kernel has
+  // no room for another descriptor.
+  [[nodiscard]] bool Watch(int fd, uint64_t id, uint32_t watched, uint32_t wanted) const;
 
-  // The next events, none after `timeout_ms` or when woken up. Valid until the next call.
+  // The next events; there may be none after `timeout_ms` or a wake-up. Valid until the next call.
   std::span<const epoll_event> Wait(int timeout_ms);
 
-  // Ends a Wait, the next one when there is none. Thread-safe.
+  // Ends the current Wait, or else the next one. Thread-safe.
   void WakeUp() const;
 
  private:

@@ -8,10 +8,10 @@
 namespace waystone {
 namespace {
 
-constexpr int kRetryS = 1;  // for what is busy for a moment only
+constexpr int kRetryS = 1;  // for what is only briefly busy
 constexpr int kUnavailable = 503;
 
-// A control character would be a line break or worse to whoever prints the detail.
+// A control character would be a line break or worse wherever the detail is printed.
 HttpResponse Problem(ErrorCode code, int status, const std::string& detail,
                      int retry_after_s = kRetryS) {
   const ErrorInfo& info = InfoOf(code);
@@ -49,7 +49,7 @@ HttpResponse OutOfMemoryResponse() {
 HttpResponse UnknownMethodResponse(const std::string& method) {
   constexpr int kNotImplemented = 501;
   return Problem(ErrorCode::kMethodNotAllowed, kNotImplemented,
-                 QuoteShortened(method) + " is not a method of HTTP; methods are in capitals");
+                 QuoteShortened(method) + " is not an HTTP method; methods are in upper case");
 }
 
 }  // namespace waystone

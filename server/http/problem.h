@@ -8,7 +8,7 @@
 
 namespace waystone {
 
-// Too many queries at once, and when there may be room again.
+// Too many requests at once, and when there may be room again.
 class BusyError : public MapError {
  public:
   BusyError(const std::string& message, int retry_after_s)
@@ -22,9 +22,10 @@ class BusyError : public MapError {
 
 // The one place where an error becomes HTTP: an application/problem+json body (RFC 9457) with
 // {type, title, status, detail, code}, all but the detail from the table in core/base/error.cc.
+// Thread-safe, as all here.
 HttpResponse ProblemResponse(ErrorCode code, const std::string& detail);
-// The same for an error; a BusyError says when to come back (Retry-After), others that are worth
-// another try in a second.
+// The same for an error. Retry-After is a BusyError's own, and 1 s for others that are worth
+// another try.
 HttpResponse ProblemResponse(const MapError& error);
 
 // For std::bad_alloc.

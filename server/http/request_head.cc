@@ -19,7 +19,7 @@ bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
   return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
 }
 
-// Digits alone, and few enough for no overflow.
+// Digits only, and few enough not to overflow.
 std::optional<int64_t> ParseLength(std::string_view text) {
   int64_t length = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
@@ -30,7 +30,7 @@ std::optional<int64_t> ParseLength(std::string_view text) {
   return length;
 }
 
-// As RFC 9110 says what a method or a header's name is made of.
+// Whether it is a token of RFC 9110, as methods and names of headers are.
 bool IsHttpToken(std::string_view text) {
   constexpr std::string_view kSigns = "!#$%&'*+-.^_`|~";
   return !text.empty() && std::ranges::all_of(text, [&](char c) {
@@ -101,7 +101,7 @@ class HeadParser {
       Refuse(ErrorCode::kBadRequest, "the length of the body is given twice");
     }
     if (hosts_ > 1 || (hosts_ == 0 && needs_host_)) {
-      Refuse(ErrorCode::kBadRequest, "an HTTP/1.1 request needs one header Host");
+      Refuse(ErrorCode::kBadRequest, "an HTTP/1.1 request requires exactly one Host header");
     }
     if (head_.has_body() && !head_.is_post) Refuse(ErrorCode::kBadRequest, with_body_);
     head_.text += kLineEnd;
@@ -109,7 +109,7 @@ class HeadParser {
   }
 
  private:
-  // A path, or a URL, whose name counts instead of the header Host.
+  // A path, or a URL, whose host then overrides the Host header.
   bool ReadTarget(std::string_view method, std::string_view target) {
     if (target.empty() || HasControlOrSpace(target)) return false;
     for (const std::string_view scheme : {"http://", "https://"}) {
@@ -130,7 +130,7 @@ class HeadParser {
     head_.text += kLineEnd;
   }
 
-  // The first reason counts.
+  // The first reason is the one reported.
   void Refuse(ErrorCode code, const std::string& detail) {
     if (!head_.refusal) head_.refusal.emplace(code, detail);
   }
@@ -149,7 +149,7 @@ class HeadParser {
     head_.chunked = true;
   }
 
-  // A list; the HTTP library knows a lone "close" in small letters.
+  // A list; the HTTP library only recognises a lone "close" in lower case.
   void Connection(std::string_view value) {
     while (!value.empty()) {
       const size_t comma = std::min(value.find(','), value.size());
@@ -191,7 +191,7 @@ std::optional<size_t> HeadScanner::Scan(std::string_view bytes) {
     const char c = bytes[scanned_];
     if (c == '\0') throw MapError(ErrorCode::kBadRequest, "malformed HTTP request");
     if (c != '\n') {
-      // Where one reader sees the end of a line and another doesn't, headers can be smuggled in.
+      // Where readers disagree on the end of a line, headers can be smuggled in.
       if (scanned_ > line_start_ && bytes[scanned_ - 1] == '\r') {
         throw MapError(ErrorCode::kBadRequest, "malformed HTTP request: a CR without LF");
       }

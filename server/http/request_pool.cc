@@ -8,10 +8,10 @@
 namespace waystone {
 
 RequestPool::RequestPool(int threads) : free_for_others_(threads) {
-  threads_.reserve(static_cast<size_t>(threads) + 1);  // a thread that runs needs its place
+  threads_.reserve(static_cast<size_t>(threads) + 1);  // a running thread must find its place
   try {
     for (int i = 0; i < threads + 1; ++i) threads_.push_back(StartThread([this] { Work(); }));
-  } catch (...) {  // those that run already end first
+  } catch (...) {  // those that already run must end first
     Stop();
     throw;
   }

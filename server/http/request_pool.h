@@ -10,8 +10,9 @@
 
 namespace waystone {
 
-// Threads that answer requests, in the order of their arrival. One thread is kept for urgent ones,
-// so that a health check never waits behind others. Inside server/http only. Thread-safe.
+// Threads that run tasks in the order of their arrival. One more thread is kept for urgent ones, so
+// that a health check never waits behind others. Internal to server/http. Thread-safe; only one
+// thread may call Stop.
 class RequestPool {
  public:
   using Task = std::function<void()>;  // must not throw

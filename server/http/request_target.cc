@@ -27,7 +27,7 @@ std::string Decoded(std::string_view text, bool plus_is_space) {
   return out;
 }
 
-// Browsers keep what is behind a '#' for themselves.
+// Browsers don't send what follows a '#'.
 std::string_view WithoutFragment(std::string_view target) {
   return target.substr(0, target.find('#'));
 }

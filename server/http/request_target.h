@@ -5,14 +5,14 @@
 #include <string>
 #include <string_view>
 
-// What a request asks for, from a target that starts with its path: "/v1/maps?limit=5". Inside
-// server/http only.
+// What a request asks for, from a target that starts with its path: "/v1/maps?limit=5". Internal to
+// server/http. Pure; thread-safe.
 namespace waystone {
 
 // The path, percent-decoded.
 std::string PathOf(std::string_view target);
 
-// The fields behind the path, percent-decoded, with '+' for a space; each name ends at its first
+// The fields after the path, percent-decoded, with '+' for a space; each name ends at its first
 // '='. Throws MapError(kBadRequest) for a field that is given twice and for a value without a name.
 std::map<std::string, std::string> QueryOf(std::string_view target);
 

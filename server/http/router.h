@@ -10,11 +10,11 @@
 
 namespace waystone {
 
-// Finds the handler of a request by its path and method, and turns everything that goes wrong on
-// the way into a problem. Thread-safe once the routes are added.
+// Finds the handler of a request by its path and method, and turns whatever goes wrong into a
+// problem response. Thread-safe once the routes are added.
 class Router {
  public:
-  // What stood in the path where the pattern has {name}.
+  // What the path has where the pattern has {name}.
   using Captures = std::map<std::string, std::string>;
   using Handler = std::function<HttpResponse(const HttpRequest&, const Captures&)>;
 
@@ -22,10 +22,10 @@ class Router {
   // answers HEAD too.
   void Add(const std::string& method, const std::string& pattern, Handler handler);
 
-  // Hears of bugs (what was thrown, for the log); the client hears nothing of them.
+  // `listener` is told of bugs (what was thrown, for the log); the client isn't.
   void OnInternalError(std::function<void(const std::string&)> listener);
 
-  // Never throws: the one try and catch around every handler.
+  // The one try and catch around every handler. Throws nothing but std::bad_alloc.
   HttpResponse Dispatch(const HttpRequest& request) const;
 
  private:

@@ -32,7 +32,7 @@ std::optional<std::string> ShortestIpv6(const std::string& text) {
   return shortest.data();
 }
 
-// Lower case, and the one form of an IPv6 address.
+// In lower case; an IPv6 address in its one normal form.
 std::string NormalHost(std::string host) {
   for (char& c : host) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return ShortestIpv6(host).value_or(host);
@@ -51,7 +51,7 @@ std::optional<int> ParsePort(std::string_view text) {
   return sound && port <= kMaxPort ? std::optional(port) : std::nullopt;
 }
 
-// Of a header Origin, with the port that its scheme implies; nothing for "null" and other schemes.
+// That of an Origin header, with its scheme's default port; nothing for "null" and other schemes.
 std::optional<Authority> ParseOrigin(std::string_view origin) {
   for (const auto& [scheme, port] : {std::pair("http://", 80), std::pair("https://", 443)}) {
     if (!origin.starts_with(scheme)) continue;

@@ -10,7 +10,7 @@
 
 namespace waystone {
 
-// "localhost" or an address of this machine alone; "127.example.org" is neither.
+// "localhost" or a loopback address; "127.example.org" is neither. Pure; thread-safe.
 bool IsLoopback(const std::string& host);
 
 // HOST or HOST:PORT, as in a URL.
@@ -21,27 +21,28 @@ struct Authority {
   bool operator==(const Authority&) const = default;
 };
 
-// Reads one; nothing for what can't be the authority of a URL. Pure.
+// Parses one; nothing for what can't be the authority of a URL. Pure; thread-safe.
 std::optional<Authority> ParseAuthority(std::string_view text);
 
-// The names by which clients may ask a server. A web page of somebody else can't make its reader's
-// browser use them for its own requests: not by a name of its own that resolves to our address (DNS
-// rebinding), and not by a POST across sites. Immutable, thread-safe.
+// The names by which clients may address a server. They keep web pages of other sites from sending
+// requests to it through their readers' browsers: by a name of theirs that resolves to our address
+// (DNS rebinding), or by a POST across sites. Immutable; thread-safe.
 class ServerNames {
  public:
-  // For a server that listens on `host`, the option --host; `others` are HOST or HOST:PORT, without
-  // a port for any. Throws MapError(kBadOptions) for one that is neither.
+  // For a server that listens on `host`, the option --host; `others` are HOST:PORT, or HOST for any
+  // port. Throws MapError(kBadOptions) for anything else.
   explicit ServerNames(const std::string& host = "127.0.0.1",
                        const std::vector<std::string>& others = {});
 
-  // Throws MapError: kMisdirected for a header Host that isn't one of
+  // Throws MapError: kMisdirected for a Host header that isn't one of
   //   - localhost and the loopback addresses, and `host`, with the server's port or without one;
   //   - `others`;
-  //   - where `host` is a wildcard (0.0.0.0, ::), any IP address, which no name can be rebound to,
+  //   - where `host` is a wildcard (0.0.0.0, ::), any IP address, to which no name can be rebound,
   //     and localhost, with any port, because port mappings of containers change it.
   // kForeignPage for a POST with an Origin that is none of the names (an address behind a wildcard
-  // counts only where Host has it too), or which the browser marks as one of another site or
-  // subdomain (Sec-Fetch-Site). Clients without these headers (HTTP/1.0, no browser) are admitted.
+  // counts only where Host has it too), or which the browser marks as coming from another site or
+  // subdomain (Sec-Fetch-Site). Clients that send neither header (HTTP/1.0, no browser) are
+  // admitted.
   void Check(const HttpRequest& request) const;
 
  private:

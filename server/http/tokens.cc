@@ -36,7 +36,7 @@ bool Tokens::Admit(const std::string& authorization) const {
     if (std::tolower(static_cast<unsigned char>(authorization[i])) != kScheme[i]) return false;
   }
   const Digest given = DigestOf(std::string_view(authorization).substr(kScheme.size()));
-  // All are compared, and whole digests: the time says nothing about which came how near.
+  // All are compared, and as whole digests: the time doesn't tell how close a token came.
   bool admitted = false;
   for (const Digest& digest : digests_) {
     admitted |= CRYPTO_memcmp(digest.data(), given.data(), digest.size()) == 0;

@@ -8,7 +8,7 @@
 
 namespace waystone {
 
-// Who may ask: bearer tokens (RFC 6750), kept as their SHA-256 alone. Thread-safe.
+// Who may use the server: bearer tokens (RFC 6750), of which only the SHA-256 is kept. Thread-safe.
 class Tokens {
  public:
   Tokens() = default;  // none: everybody may
@@ -17,8 +17,8 @@ class Tokens {
   static Tokens FromFile(const std::filesystem::path& path);
 
   bool empty() const { return digests_.empty(); }
-  // Whether a header "Authorization: Bearer TOKEN" has one of the tokens. Takes the same time for
-  // every wrong token of one length.
+  // Whether the Authorization header "Bearer TOKEN" has one of the tokens; true where there are
+  // none. Takes the same time for every wrong token of the same length.
   bool Admit(const std::string& authorization) const;
 
  private:

@@ -97,6 +97,31 @@ TEST(AnswerLine, SaysWhereInOneLine) {
   EXPECT_EQ(AnswerLine(Json::parse("[1]")), ":  (0 ms)");
 }
 
+TEST(AnswerLine, SaysWhichMapsWereNotSearched) {
+  const auto line = [](const std::string& searched, const std::string& partial) {
+    return AnswerLine(Json::parse(R"({"image":"q","verdict":"not_in_map","timing_ms":{"total":5},
+        "searched":)" + searched + R"(,"partial":)" +
+                                  partial + "}"));
+  };
+  const std::string hall = R"({"map":"hall","state":"too_large","score":2})";
+  const std::string lab = R"({"map":"lab","state":"failed","score":1,"message":"damaged"})";
+  const std::string room = R"({"map":"room","state":"asked","score":9})";
+  EXPECT_EQ(line("[" + room + "," + hall + "," + lab + "]", "true"),
+            "q: not_in_map (5 ms) (2 of 3 maps weren't searched: hall too_large, lab failed)");
+  EXPECT_EQ(line("[" + room + "," + hall + "]", "true"),
+            "q: not_in_map (5 ms) (1 of 2 maps wasn't searched: hall too_large)");
+  EXPECT_EQ(line("[" + room + "]", "false"), "q: not_in_map (5 ms)");
+  EXPECT_EQ(line("[]", "true"), "q: not_in_map (5 ms) (no map was searched)");
+  std::string many = lab;
+  for (int i = 0; i < 6; ++i) many += "," + lab;
+  EXPECT_NE(line("[" + many + "]", "true").find("(7 of 7 maps weren't searched: lab failed, "),
+            std::string::npos);
+  EXPECT_TRUE(line("[" + many + "]", "true").ends_with(", lab failed, ...)"));
+  // Of a server that is not of our version, or not ours.
+  EXPECT_EQ(line("7", "true"), "q: not_in_map (5 ms)");
+  EXPECT_EQ(line("[1,{}]", "true"), "q: not_in_map (5 ms)");
+}
+
 TEST(MapNameOf, IsTheFilesNameAlone) {
   EXPECT_EQ(MapNameOf("/maps/lab.db"), "lab");
   EXPECT_EQ(MapNameOf("lab.v2.db"), "lab.v2");
@@ -144,6 +169,27 @@ TEST_F(CsvTest, LinesOfAnotherLengthAreNamed) {
     EXPECT_NE(std::string(error.what()).find("line 3: 3 fields"), std::string::npos)
         << error.what();
   }
+}
+
+TEST_F(CsvTest, AByteOrderMarkIsNoPartOfTheHeader) {
+  EXPECT_EQ(Read("\xef\xbb\xbfimage,x\na,1\n").Column("image"), 0u);
+  const CsvFile comment = Read("\xef\xbb\xbf# about\nimage,x\na,1\n");
+  EXPECT_EQ(comment.Column("image"), 0u);
+  EXPECT_EQ(comment.rows()[0].line, 3);
+  EXPECT_EQ(Read("x\n1\n").rows().size(), 1u);  // shorter than a mark and its text
+  EXPECT_EQ(Read("x").Column("x"), 0u);
+}
+
+TEST_F(CsvTest, TwoColumnsOfOneNameAreRefused) {
+  try {
+    Read("# about\na,b, a\n1,2,3\n");
+    FAIL();
+  } catch (const MapError& error) {
+    EXPECT_NE(std::string(error.what()).find("line 2: the header has two columns \"a\""),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(Read("a,,\n1,2,3\n").Column("a"), 0u);  // nobody asks for columns without a name
 }
 
 TEST(EvaluationText, SaysWhatIsEmpty) {

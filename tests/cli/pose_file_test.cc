@@ -96,6 +96,35 @@ TEST_F(PoseFileTest, ReadsEachFormat) {
   EXPECT_EQ(colmap[0].name, "left/a.jpg");
 }
 
+// As spreadsheets and some editors write it.
+TEST_F(PoseFileTest, AByteOrderMarkIsNoPartOfTheFile) {
+  const std::string mark = "\xef\xbb\xbf";
+  const std::string pose = "1,2,3,0,0," + kHalf + "," + kHalf + "\n";
+  const auto csv = ReadPoseFile(Write("p.csv", mark + "image,x,y,z,qx,qy,qz,qw\nb.jpg," + pose));
+  ExpectThePose(csv[0]);
+  EXPECT_EQ(csv[0].name, "b.jpg");
+  const auto euroc =
+      ReadPoseFile(Write("e.csv", mark + "#timestamp, p_RS_R_x [m]\n1500000000,1,2,3," + kHalf +
+                                      ",0,0," + kHalf + "\n"));
+  EXPECT_NEAR(euroc[0].time_s.value(), 1.5, 1e-9);
+  const auto echo = ReadPoseFile(Write("o.csv", mark + "2,500000000,odom,base_link," + pose));
+  EXPECT_NEAR(echo[0].time_s.value(), 2.5, 1e-9);
+  const auto tum = ReadPoseFile(Write("t.txt", mark + "1.5 1 2 3 0 0 " + kHalf + " " + kHalf));
+  EXPECT_EQ(tum[0].time_s, 1.5);
+}
+
+TEST_F(PoseFileTest, ACsvMustSayWhichImagesItsPosesBelongTo) {
+  const std::string refusal =
+      RefusalOf([&] { ReadPoseFile(Write("p.csv", "picture,x,y,z\nb.jpg,1,2,3\n")); });
+  for (const char* name : {"line 1", "image", "keyframe", "id", "frame", "time_s"}) {
+    EXPECT_NE(refusal.find(name), std::string::npos) << name << ": " << refusal;
+  }
+  for (const char* name : {"image", "keyframe", "id", "frame", "time_s"}) {
+    const std::string text = std::string(name) + ",x,y,z\n7,1,2,3\n";
+    EXPECT_EQ(ReadPoseFile(Write("p.csv", text)).size(), 1u) << name;
+  }
+}
+
 // nav_msgs/Odometry as the tools of ROS 1 and 2 and of bags write it.
 TEST_F(PoseFileTest, ReadsOdometry) {
   const std::string pose = "1,2,3,0,0," + kHalf + "," + kHalf;
@@ -274,7 +303,8 @@ TEST_F(PoseFileTest, AKnownDistanceGivesTheScale) {
   EXPECT_NE(refusal({"a.jpg", "c", "2"}).find("no pose of 'c'"), std::string::npos);
   EXPECT_NE(refusal({"a.jpg", "a.jpg", "2"}).find("at one position"), std::string::npos);
   for (const char* metres : {"0", "-1", "inf", "two"}) {
-    EXPECT_NE(refusal({"a.jpg", "b.jpg", metres}).find("no distance"), std::string::npos) << metres;
+    EXPECT_NE(refusal({"a.jpg", "b.jpg", metres}).find("not a distance"), std::string::npos)
+        << metres;
   }
 }
 

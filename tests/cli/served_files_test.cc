@@ -110,6 +110,25 @@ TEST_F(ServedFilesTest, AFolderThatCantBeReadKeepsTheOthersServed) {
   EXPECT_TRUE(files.Refresh(catalog, false).empty());
 }
 
+// As while it isn't mounted.
+TEST_F(ServedFilesTest, AFolderThatIsGoneKeepsItsMapsServed) {
+  fs::create_directory(folder_ / "a");
+  WriteGood("a/one.db");
+  ServedFiles files({folder_ / "a"});
+  MapCatalog catalog(files.OpenAll().maps);
+  fs::rename(folder_ / "a", folder_ / "away");
+  const std::vector<ServedFiles::Change> changes = files.Refresh(catalog, false);
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_NE(changes[0].message.find("a' can't be read: No such file"), std::string::npos)
+      << changes[0].message;
+  EXPECT_EQ(catalog.Now()->size(), 1U);
+  fs::rename(folder_ / "away", folder_ / "a");
+  EXPECT_TRUE(files.Refresh(catalog, false).empty());
+  fs::remove(folder_ / "a" / "one.db");
+  ASSERT_EQ(files.Refresh(catalog, false).size(), 1U);
+  EXPECT_TRUE(catalog.Now()->empty());
+}
+
 TEST_F(ServedFilesTest, OfTwoFilesOfOneNameTheServedOneStays) {
   fs::create_directory(folder_ / "a");
   fs::create_directory(folder_ / "b");

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -122,6 +123,31 @@ TEST_F(CliTest, AMostlyUnreadableSequenceIsNoMapAndTheOldOneStays) {
   const RunResult result = RunWaystone({"build", walk, "-o", map, "--force", "--quiet"});
   ExpectFailure(result, 4, "max_skipped_share");
   EXPECT_TRUE(ReadFile(map) == ReadFile(TheMap().map));
+}
+
+// The header of a video that wasn't copied to its end has the number of all of its frames.
+TEST_F(CliTest, FramesThatAVideoLacksAreSkippedAndMostOfThemAreNoMap) {
+  const fs::path video = folder_ / "walk.avi";
+  {
+    cv::VideoWriter writer(video.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10,
+                           {640, 480}, false);
+    ASSERT_TRUE(writer.isOpened());
+    for (size_t i = 0; i < FilesIn(TheMap().images); ++i) {
+      writer.write(cv::imread((TheMap().images / (std::to_string(i) + ".jpg")).string(),
+                              cv::IMREAD_GRAYSCALE));
+    }
+  }
+  const auto bytes = fs::file_size(video);
+  fs::resize_file(video, bytes * 7 / 10);
+  const fs::path map = folder_ / "walk.db";
+  const RunResult some = RunWaystone({"build", video, "-o", map, "--every", "2"});
+  EXPECT_EQ(some.code, 0) << some.err;
+  EXPECT_EQ(some.out.find(" 0 skipped"), std::string::npos) << some.out;
+  EXPECT_NE(some.out.find("it is missing: the video ends after "), std::string::npos) << some.out;
+  fs::resize_file(video, bytes * 3 / 10);
+  const RunResult few =
+      RunWaystone({"build", video, "-o", map, "--every", "2", "--force", "--quiet"});
+  ExpectFailure(few, 4, "it is missing: the video ends after ");
 }
 
 TEST_F(CliTest, LinksToThemselvesAreSkippedAndNamed) {

@@ -517,6 +517,19 @@ class CommandTest(unittest.TestCase):
         self.assertEqual(len(errors), 2)
         self.assertRegex(errors[0], r"^waystone: 0\.\d{3} s: http://.*: cause; remedy$")
 
+    def test_watch_ends_where_every_frame_would_fail_alike(self):
+        for problem_of_all in ("not_found", "unauthorized"):
+            video = folder / "walk.avi"
+            video.write_bytes(video_of([pathlib.Path(INSIDE).read_bytes()] * 3))
+            status = {"not_found": 404, "unauthorized": 401}[problem_of_all]
+            with scripted((status, {}, problem(problem_of_all, status))) as (address, requests):
+                code, answers, errors = self.ask("watch", NAME, str(video), "--every", "0", "--server", address)
+            self.assertEqual((code, answers, len(errors), len(requests)), (3, [], 1, 1), problem_of_all)
+
+    def test_watch_goes_on_when_a_map_is_gone_later(self):
+        code, answers, errors = self.watch(FINE, (404, {}, problem("not_found", 404)), FINE)
+        self.assertEqual((code, len(answers), len(errors)), (3, 2, 1))
+
     def test_watch_says_when_it_has_every_answer(self):
         code, answers, errors = self.watch(FINE, FINE)
         self.assertEqual((code, len(answers), errors), (0, 2, []))

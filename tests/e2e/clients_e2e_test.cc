@@ -229,6 +229,18 @@ TEST_F(CppClient, WatchAnswersAVideo) {
     EXPECT_EQ(bad.code, 3) << source;
     EXPECT_NE(bad.err.find("camera index"), std::string::npos) << bad.err;
   }
+  std::string bytes = ReadFile(video);
+  const size_t second = bytes.find("00dc", bytes.find("00dc", bytes.find("movi")) + 1);
+  ASSERT_LT(second + 2000, bytes.size());
+  bytes.replace(second + 8, 2000, 2000, '\0');
+  WriteFile(folder_ / "damaged.avi", bytes);
+  const RunResult damaged =
+      RunWaystone({"watch", TheMap().map, folder_ / "damaged.avi", "--every", "0"});
+  EXPECT_EQ(damaged.code, 0) << damaged.err;
+  EXPECT_EQ(Lines(damaged.out).size(), 4u) << damaged.out;
+  EXPECT_TRUE(damaged.out.starts_with("0.000 s: ")) << damaged.out;
+  EXPECT_NE(damaged.out.find("\n0.200 s: "), std::string::npos) << damaged.out;
+  EXPECT_EQ(damaged.err, "");
 }
 
 }  // namespace

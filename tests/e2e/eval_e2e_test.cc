@@ -135,6 +135,9 @@ TEST_F(EvalTest, BadLinesAreNamed) {
   ExpectBadLine("image,keyframe\n# a comment\nmissing.jpg,\n", 3, "missing.jpg");
   ExpectBadLine("image,frame\n" + photo + ",often\n", 2, "often");
   ExpectBadLine("image,frame\n" + photo + ",attic:3\n", 2, "attic");
+  ExpectBadLine("image,frame\n" + photo + ",20\n" + photo + ",500000\n", 3, "frame 500000");
+  ExpectBadLine("image,frame\n" + photo + ",20|images:500000\n", 2, "frame images:500000");
+  ExpectBadLine("image,frame,frame\n" + photo + ",3,5\n", 1, "two columns \"frame\"");
   ExpectBadLine("image,frame,x,y,z\n" + photo + ",3,1,2,here\n", 2, "here");
   ExpectBadLine("image,frame,x,y\n" + photo + ",3,1,2\n", 1, "x, y and z");
   ExpectBadLine("picture,frame\n" + photo + ",3\n", 1, "image");
@@ -142,6 +145,27 @@ TEST_F(EvalTest, BadLinesAreNamed) {
   ExpectBadLine("image,frame\n,3\n", 2, "image field is empty");
   ExpectBadLine("image,frame\n", 1, "no queries");
   ExpectBadLine("", 1, "missing header");
+}
+
+// As spreadsheets write it.
+TEST_F(EvalTest, AByteOrderMarkIsNoPartOfAName) {
+  const RunResult run =
+      RunWaystone({"eval", TheMap().map,
+                   Csv("\xef\xbb\xbfimage,frame\r\n" + TheMap().inside.string() + ",20\r\n")});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_NE(run.out.find("1 in the map, 0 not"), std::string::npos) << run.out;
+}
+
+// The last frames of the walk need not be keyframes.
+TEST_F(EvalTest, AllFramesOfTheSequenceAreValid) {
+  const int frames = static_cast<int>(std::distance(fs::directory_iterator(TheMap().images), {}));
+  std::string text = "image,frame\n";
+  for (const int frame : {0, frames / 2, frames - 1}) {
+    text += TheMap().elsewhere.string() + "," + std::to_string(frame) + "\n";
+  }
+  const RunResult run = RunWaystone({"eval", TheMap().map, Csv(text)});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_NE(run.out.find("3 in the map, 0 not"), std::string::npos) << run.out;
 }
 
 TEST_F(EvalTest, FilesThatAreNone) {

@@ -72,6 +72,11 @@ TEST_F(JoiningTest, RemoveRefusesWhatTheMapHasNot) {
   ExpectRefusal({"remove", map_, "--session", "night"}, 3, "no session 'night'");
 }
 
+TEST_F(JoiningTest, OneMapIsNothingToMerge) {
+  ExpectRefusal({"merge", map_, "-o", folder_ / "floor.db"}, 2, "two or more");
+  EXPECT_FALSE(fs::exists(folder_ / "floor.db"));
+}
+
 TEST_F(JoiningTest, OrientationLayersAreJoinedAndPared) {
   const std::string corner = TheCorner().map;
   const fs::path both = folder_ / "both.db";

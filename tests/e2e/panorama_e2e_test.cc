@@ -48,6 +48,22 @@ TEST_F(PanoramaCommands, UnwrapWritesWhatIsUsed) {
   EXPECT_FALSE(cv::imread((folder_ / "out" / "a_panorama.png").string()).empty());
 }
 
+TEST_F(PanoramaCommands, UnwrapOverwritesOnlyWithForce) {
+  const fs::path a = Write("a.png", 0.1);
+  for (const char* name : {"a_panorama.png", "a_used.png"}) {
+    fs::remove_all(folder_ / "out");
+    fs::create_directory(folder_ / "out");
+    WriteFile(folder_ / "out" / name, "mine");
+    const RunResult refused = RunWaystone({"unwrap", a, "-o", folder_ / "out"});
+    EXPECT_EQ(refused.code, 3);
+    EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
+    EXPECT_EQ(ReadFile(folder_ / "out" / name), "mine");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "out"), {}), 1) << "written before";
+    EXPECT_EQ(RunWaystone({"unwrap", a, "-o", folder_ / "out", "--force"}).code, 0);
+    EXPECT_FALSE(cv::imread((folder_ / "out" / name).string()).empty());
+  }
+}
+
 TEST_F(PanoramaCommands, OneLineSaysWhatIsWrong) {
   const fs::path a = Write("a.png", 0.1);
   const RunResult one = RunWaystone({"compass", a});

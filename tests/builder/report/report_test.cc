@@ -17,6 +17,7 @@
 #include "builder/report/surface_graph.h"
 #include "core/base/error.h"
 #include "schema/layers/planes/surfaces.h"
+#include "tests/registry/file_size_limit.h"
 
 namespace waystone {
 namespace {
@@ -227,6 +228,33 @@ TEST(WriteReport, NoPictureOfAnEarlierReportStays) {
   EXPECT_TRUE(std::filesystem::exists(dir / "images" / "1.jpg"));
   EXPECT_FALSE(std::filesystem::exists(dir / "images" / "2.jpg"));
   EXPECT_TRUE(std::filesystem::exists(dir / "images" / "notes.txt"));
+  std::filesystem::remove_all(dir);
+}
+
+// Once there is room, the report is written to the same folder.
+TEST(WriteReport, AFullDiskLeavesNoFolderOfSomebodyElse) {
+  const auto dir = std::filesystem::path(testing::TempDir()) / "waystone-report-full";
+  std::filesystem::remove_all(dir);
+  for (const rlim_t bytes : {rlim_t{0}, rlim_t{1000}}) {
+    const FileSizeLimit limit(bytes);
+    try {
+      WriteReport(Chain(3, 3), {}, {}, dir);
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const MapError& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kFileUnwritable);
+      EXPECT_NE(std::string(error.what()).find("index.html can't be written: "), std::string::npos)
+          << error.what();
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(dir));
+  }
+  WriteReport(Chain(3, 3), {}, {}, dir);
+  const auto page = std::filesystem::file_size(dir / "index.html");
+  {
+    const FileSizeLimit limit(1000);
+    EXPECT_THROW(WriteReport(Chain(3, 3), {}, {}, dir), MapError);
+  }
+  EXPECT_EQ(std::filesystem::file_size(dir / "index.html"), page) << "the earlier one stays";
+  EXPECT_NO_THROW(CheckReportFolder(dir));
   std::filesystem::remove_all(dir);
 }
 

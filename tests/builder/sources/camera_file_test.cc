@@ -173,6 +173,13 @@ TEST_F(CameraFileTest, ColmapHasItsCentreHalfAPixelOn) {
             (std::vector<double>{515, 319.5, 239.5, -0.1}));
 }
 
+TEST_F(CameraFileTest, AByteOrderMarkIsNoPartOfTheFile) {
+  const std::string mark = "\xef\xbb\xbf";
+  EXPECT_EQ(Read(mark + kOpenCvFile), Read(kOpenCvFile));
+  const std::string colmap = "7 SIMPLE_RADIAL 640 480 515 320 240 -0.1\n";
+  EXPECT_EQ(Read(mark + colmap), Read(colmap));
+}
+
 TEST_F(CameraFileTest, ColmapsErrorsNameTheLine) {
   ExpectRefusal("1 PINHOLE 640 480 515 516 320 240\n2 PINHOLE 640 480 515 516 320 240\n",
                 {"line 2", "2 cameras"});

@@ -26,6 +26,16 @@ TEST_F(TumTest, FramesInTheOrderOfTheListWithTheirTimes) {
   EXPECT_EQ(frames[1].grey.at<uint8_t>(0, 0), 2);
 }
 
+TEST_F(TumTest, AByteOrderMarkIsNoPartOfTheList) {
+  WriteImage("rgb/a.png", 1);
+  Write("rgb.txt",
+        "\xef\xbb\xbf"
+        "0.5 rgb/a.png\n");
+  const std::vector<Frame> frames = AllFrames(*Open());
+  ASSERT_EQ(frames.size(), 1);
+  EXPECT_EQ(frames[0].info.time_s, 0.5);
+}
+
 TEST_F(TumTest, CameraBesideTheList) {
   WriteImage("rgb/a.png");
   Write("rgb.txt", "0 rgb/a.png\n");

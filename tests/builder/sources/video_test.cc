@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <opencv2/videoio.hpp>
 #include <optional>
@@ -7,6 +10,11 @@
 
 namespace waystone {
 namespace {
+
+std::string ReadAll(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 // Twelve frames of 64x48 at 10 a second; frame i is plain grey of 20 * i.
 class VideoTest : public TemporaryFolder {
@@ -95,11 +103,72 @@ TEST_F(VideoTest, OversizedVideosAreRefused) {
   ExpectError([&] { OpenSource(path_, options); }, ErrorCode::kImageTooLarge, {"64x48"});
 }
 
-TEST_F(VideoTest, AVideoCutInHalfGivesWhatIsLeft) {
+TEST_F(VideoTest, WhatACutVideoLacksIsUnreadable) {
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
   const std::vector<Frame> frames = AllFrames(*OpenSource(path_, {}));
-  EXPECT_GE(frames.size(), 3);
-  EXPECT_LT(frames.size(), 12);
+  ASSERT_EQ(frames.size(), 12);
+  const auto left = static_cast<int>(std::ranges::count(frames, "", &Frame::error));
+  EXPECT_GE(left, 3);
+  EXPECT_LE(left, 8);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(frames[i].info.number, i);
+    if (i < left) {
+      EXPECT_NEAR(frames[i].grey.at<uint8_t>(20, 20), 20 * i, 6);
+    } else {
+      EXPECT_NE(frames[i].error.find("ends after " + std::to_string(left) + " of the 12 frames"),
+                std::string::npos)
+          << frames[i].error;
+    }
+  }
+  // Likewise where only some are taken, and for those that lie within what is left.
+  EXPECT_EQ(AllFrames(*OpenSource(path_, {.every = 5})).size(), 3);
+  for (const Frame& frame : AllFrames(*OpenSource(path_, {.to = 2}))) EXPECT_EQ(frame.error, "");
+}
+
+TEST_F(VideoTest, DamagedFramesAreUnreadableAndTheOthersKeepTheirNumbers) {
+  std::string bytes = ReadAll(path_);
+  size_t at = 0;
+  for (int frame = 0; frame < 12; ++frame) {
+    at = bytes.find("00dc", at + 1);
+    ASSERT_NE(at, std::string::npos);
+    if (frame == 3 || frame == 4 || frame == 7) bytes.replace(at + 8, 600, 600, '\0');
+  }
+  testing::internal::CaptureStderr();  // FFmpeg comments on it
+  const std::vector<Frame> frames =
+      AllFrames(*OpenSource(Write("damaged.avi", bytes).string(), {}));
+  testing::internal::GetCapturedStderr();
+  ASSERT_EQ(frames.size(), 12);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(frames[i].info.number, i);
+    if (i == 3 || i == 4 || i == 7) {
+      EXPECT_NE(frames[i].error.find("damaged"), std::string::npos) << i << frames[i].error;
+    } else {
+      ASSERT_EQ(frames[i].error, "") << i;
+      EXPECT_NEAR(frames[i].grey.at<uint8_t>(20, 20), 20 * i, 6);
+      EXPECT_NEAR(frames[i].info.time_s.value(), 0.1 * i, 1e-6);
+    }
+  }
+}
+
+// Its header counts the frames that were trimmed as well.
+TEST_F(VideoTest, ATrimmedVideoLacksNothing) {
+  path_ = (folder_ / "walk.mp4").string();
+  cv::VideoWriter writer(path_, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('m', 'p', '4', 'v'), 10,
+                         {64, 48});
+  if (!writer.isOpened()) GTEST_SKIP() << "this OpenCV can't write MP4";
+  for (int i = 0; i < 12; ++i) writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(20 * i)));
+  writer.release();
+  EXPECT_EQ(AllFrames(*OpenSource(path_, {})).size(), 12);
+  std::string bytes = ReadAll(path_);
+  const size_t list = bytes.find("elst");
+  if (list == std::string::npos) GTEST_SKIP() << "this OpenCV writes no edit list";
+  bytes.replace(list + 12, 4, std::string("\0\0\x02\x58", 4));  // 600 ms
+  const auto source = OpenSource(Write("trimmed.mp4", bytes).string(), {});
+  EXPECT_EQ(source->size(), 6);
+  const std::vector<Frame> frames = AllFrames(*source);
+  EXPECT_LE(frames.size(), 7);
+  EXPECT_GE(frames.size(), 6);
+  for (const Frame& frame : frames) EXPECT_EQ(frame.error, "");
 }
 
 TEST_F(VideoTest, WhatIsNoVideoIsRefused) {

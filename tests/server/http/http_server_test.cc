@@ -96,10 +96,34 @@ TEST_F(HttpServerTest, BodyAtTheLimitIsReadAndOverItIsNot) {
   EXPECT_EQ(client.Post("/length", std::string(kLimit + 1, 'x'), "image/png")->status, 413);
 }
 
-TEST_F(HttpServerTest, AfterATooLargeBodyTheConnectionStillWorks) {
+// It is known to be too large before any of it arrives; what the client sends of it before it reads
+// the answer must not reset the connection.
+TEST_F(HttpServerTest, ABodyDeclaredTooLargeIsRefusedAtOnce) {
   RawClient client(server_->port());
-  client.Send("POST /length HTTP/1.1\r\nHost: x\r\nContent-Length: 1500\r\n\r\n" +
-              std::string(1500, 'G'));
+  client.Send("POST /length HTTP/1.1\r\nHost: x\r\nContent-Length: 1500\r\n\r\n");
+  std::string text = client.Receive("}");  // 408 after a second if the body were waited for
+  EXPECT_NE(text.find(" 413 "), std::string::npos) << text;
+  EXPECT_NE(text.find("Connection: close\r\n"), std::string::npos) << text;
+  for (int i = 0; i < 3; ++i) {  // for longer than the second after which a silent client is left
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    EXPECT_TRUE(client.Send(std::string(500, 'G'))) << i;
+  }
+  EXPECT_EQ(client.Receive(), "");
+  RawClient late(server_->port());
+  late.Send("POST /length HTTP/1.1\r\nHost: x\r\nContent-Length: 1500\r\n\r\n" +
+            std::string(1500, 'G'));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  text = late.Receive();
+  EXPECT_NE(text.find(" 413 "), std::string::npos) << text;
+  EXPECT_EQ(posts_, 2);
+}
+
+TEST_F(HttpServerTest, AfterATooLargeBodyInChunksTheConnectionStillWorks) {
+  RawClient client(server_->port());
+  std::string chunks;
+  for (int i = 0; i < 15; ++i) chunks += "64\r\n" + std::string(100, 'G') + "\r\n";
+  client.Send("POST /length HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks +
+              "0\r\n\r\n");
   EXPECT_NE(client.Receive("}").find("413"), std::string::npos);
   client.Send("GET /hello HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
   const std::string text = client.Receive();
@@ -246,12 +270,15 @@ TEST_F(HttpServerTest, LengthsThatAreNoneAreRefusedAndTheConnectionCloses) {
 }
 
 TEST_F(HttpServerTest, BodyThatEndsEarlyIsABadRequest) {
-  RawClient client(server_->port());
-  client.Send("POST /length HTTP/1.1\r\nHost: x\r\nContent-Length: 10\r\n\r\nabc");
-  client.EndSending();
-  const std::string text = client.Receive();
-  EXPECT_NE(text.find(" 400 "), std::string::npos) << text;
-  EXPECT_NE(text.find("shorter than its Content-Length"), std::string::npos) << text;
+  for (const std::string body :
+       {"Content-Length: 10\r\n\r\nabc", "Transfer-Encoding: chunked\r\n\r\na\r\nabc"}) {
+    RawClient client(server_->port());
+    client.Send("POST /length HTTP/1.1\r\nHost: x\r\n" + body);
+    client.EndSending();
+    const std::string text = client.Receive();
+    EXPECT_NE(text.find(" 400 "), std::string::npos) << text;
+    EXPECT_NE(text.find("ended before the request body did"), std::string::npos) << text;
+  }
 }
 
 TEST_F(HttpServerTest, WhatIsNoHttpIsAProblemToo) {
