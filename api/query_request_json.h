@@ -25,10 +25,12 @@ struct RequestLimits {
   int max_deadline_ms = 60'000;
 
   static constexpr auto Fields(const auto& use) {
-    return use(OptionField{"max_images", &RequestLimits::max_images, Closed(1, 64), "",
-                           "Images of one request: a rig's, or a series. Each costs a query."},
-               OptionField{"max_deadline_ms", &RequestLimits::max_deadline_ms, AtLeast(1), "ms",
-                           "Longest deadline that a client may set."});
+    return use(
+        OptionField{
+            "max_images", &RequestLimits::max_images, Closed(1, 64), "",
+            "Maximum number of images in a request (of a rig, or a series). Each costs a query."},
+        OptionField{"max_deadline_ms", &RequestLimits::max_deadline_ms, AtLeast(1), "ms",
+                    "Maximum deadline that a client may set."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

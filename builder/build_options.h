@@ -51,14 +51,14 @@ struct BuildOptions {
         OptionGroup{"calibration", &BuildOptions::calibration},
         OptionGroup{"appearance_calibration", &BuildOptions::appearance_calibration},
         OptionField{"max_skipped_share", &BuildOptions::max_skipped_share, Closed(0, 1), "",
-                    "Largest share of a sequence's frames that a layer may be unable to use. Above "
-                    "it the build fails, since the map would have unexpected gaps."},
-        OptionField{"images", &BuildOptions::images, AnyValue(), "",
-                    "Keep a smaller picture of each keyframe and node in the map, for "
-                    "people."},
-        OptionField{"image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
-                    "Width of those pictures. Larger ones show more and take most of a "
-                    "map's bytes."});
+                    "Maximum share of a sequence's frames that a layer may be unable to use. Above "
+                    "it, the build fails, since the map would have unexpected gaps."},
+        OptionField{
+            "images", &BuildOptions::images, AnyValue(), "",
+            "Whether to store a smaller image of each keyframe and node in the map, for display."},
+        OptionField{
+            "image_width", &BuildOptions::image_width, Closed(16, 4096), "px",
+            "Width of those images. Larger images show more, and make up most of a map's size."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

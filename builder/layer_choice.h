@@ -23,8 +23,8 @@ struct LayerChoice {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"automatic", &LayerChoice::automatic, AnyValue(), "",
-                    "Choose by the images: panoramas give the appearance layer, others the plane "
-                    "layer, rigs and panoramas the orientation layer, too."},
+                    "Choose the layers by the images: panoramas give the appearance layer, other "
+                    "images the plane layer, and rigs and panoramas also the orientation layer."},
         OptionField{"planes", &LayerChoice::planes, AnyValue(), "", "Build the plane layer."},
         OptionField{"appearance", &LayerChoice::appearance, AnyValue(), "",
                     "Build the appearance layer."},

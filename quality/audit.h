@@ -26,30 +26,32 @@ struct AuditOptions {
     using Self = AuditOptions;
     return use(
         OptionField{"min_alias_inliers", &Self::min_alias_inliers, AtLeast(5), "",
-                    "Inliers that two places must share to be mistaken for each other. Lower lists "
-                    "more pairs."},
+                    "Number of inliers that two places must share to count as confusable. Lower "
+                    "values list more pairs."},
         OptionGroup{"query", &Self::query},
-        OptionField{"max_voters", &Self::max_voters, AtLeast(8), "",
-                    "Features of a plane, most votes first, that are taken as a query. Bounds the "
-                    "cost on large planes; fewer miss small things that look alike."},
+        OptionField{
+            "max_voters", &Self::max_voters, AtLeast(8), "",
+            "Number of features of a plane, most votes first, that are used as a query. Bounds the "
+            "cost on large planes; fewer features miss small objects that look alike."},
         OptionField{"votes_per_feature", &Self::votes_per_feature, AtLeast(2), "",
-                    "Nearest map features for which each of them votes: the first ones are the "
-                    "plane's own and those of its neighbours."},
-        OptionField{"max_candidates", &Self::max_candidates, AtLeast(1), "",
-                    "Candidates whose homography is tried for each plane, most votes first."},
+                    "Number of nearest map features for which each of them votes: the first ones "
+                    "are the plane's own and those of its neighbours."},
+        OptionField{
+            "max_candidates", &Self::max_candidates, AtLeast(1), "",
+            "Number of candidates whose homography is tried for each plane, most votes first."},
         OptionField{"same_surface_share", &Self::same_surface_share, Closed(0, 1), "",
-                    "Two planes on which this share of the features is alike, where both of them "
-                    "were seen, are taken for one surface that was mapped twice rather than for "
-                    "two that bear the same thing."},
+                    "Two planes with at least this share of similar features where both were "
+                    "visible are assumed to be one surface that was mapped twice rather than two "
+                    "surfaces with the same object on them."},
         OptionField{"min_view_features", &Self::min_view_features, AtLeast(1), "",
-                    "A keyframe with fewer features on planes in view is one that queries may not "
-                    "be recognised at. A query finds a third to a half of them again, and a place "
-                    "of fewer than about a dozen inliers is refused."},
+                    "Queries may not be recognised at a keyframe with fewer features on planes in "
+                    "view. A query redetects a third to a half of them, and a place with fewer "
+                    "than about a dozen inliers is refused."},
         OptionField{"min_stretch_planes", &Self::min_stretch_planes, AtLeast(0), "",
-                    "A stretch with fewer planes is one that queries are hardly recognised in."},
+                    "Queries are hardly recognised in a stretch with fewer planes."},
         OptionField{"short_run", &Self::short_run, AtLeast(1), "",
-                    "Fewer keyframes in a row than this are too few views rather than too little "
-                    "to see."});
+                    "If fewer consecutive keyframes than this are weak, there are too few views "
+                    "rather than too little to see."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

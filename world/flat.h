@@ -28,15 +28,17 @@ struct FlatOptions {
     using O = FlatOptions;
     return use(
         OptionField{"seed", &O::seed, AnyValue(), "",
-                    "Rooms, furniture and looks all follow from it."},
+                    "Random seed of rooms, furniture and appearance."},
         OptionField{"columns", &O::columns, Closed(1, 6), "rooms",
-                    "Rooms from west to east. One of all holds the stairs."},
-        OptionField{"rows", &O::rows, Closed(1, 6), "rooms", "Rooms from south to north."},
-        OptionField{"min_side_m", &O::min_side_m, Closed(1.5, 10), "m", "Shortest side of a room."},
+                    "Number of rooms from west to east. One room of the flat contains the stairs."},
+        OptionField{"rows", &O::rows, Closed(1, 6), "rooms",
+                    "Number of rooms from south to north."},
+        OptionField{"min_side_m", &O::min_side_m, Closed(1.5, 10), "m", "Minimum side of a room."},
         OptionField{"max_side_m", &O::max_side_m, Closed(1.5, 10), "m",
-                    "Longest side of a room, at least min_side_m."},
-        OptionField{"furniture", &O::furniture, Closed(0, 30), "",
-                    "Pieces of furniture that are tried for in each room."},
+                    "Maximum side of a room, at least min_side_m."},
+        OptionField{
+            "furniture", &O::furniture, Closed(0, 30), "",
+            "Number of pieces of furniture that the generator tries to place in each room."},
         OptionField{"wall_contrast", &O::wall_contrast, Closed(0, 1), "",
                     "Contrast of the patterns on walls: plain paint has hardly any."});
   }
@@ -93,13 +95,13 @@ struct FlatCamera {
         OptionField{"width_px", &O::width_px, Closed(32, 8192), "px",
                     "Width of the panorama, twice its height."},
         OptionField{"middle_grey", &O::middle_grey, Closed(20, 200), "grey levels",
-                    "What half of the picture's light is exposed to: what is ten times as bright "
-                    "(windows) is cut off."},
+                    "Grey level to which the median light of the image is exposed: light ten times "
+                    "as bright (windows) is clipped."},
         OptionField{"glare", &O::glare, Closed(0, 1), "",
                     "Share of the light beyond white that spreads around its source."},
         OptionField{"noise_sigma", &O::noise_sigma, Closed(0, 100), "grey levels",
-                    "Standard deviation of the noise of a pixel."},
-        OptionField{"noise_seed", &O::noise_seed, AnyValue(), "", "Of that noise."});
+                    "Standard deviation of the noise per pixel."},
+        OptionField{"noise_seed", &O::noise_seed, AnyValue(), "", "Random seed of that noise."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -122,16 +124,17 @@ struct FlatTourOptions {
   static constexpr auto Fields(const auto& use) {
     using O = FlatTourOptions;
     return use(
-        OptionField{"per_room", &O::per_room, Closed(1, 100), "", "Places in each room."},
+        OptionField{"per_room", &O::per_room, Closed(1, 100), "", "Number of places in each room."},
         OptionField{"height_m", &O::height_m, Closed(0.2, 2), "m", "Height of the camera."},
         OptionField{"clearance_m", &O::clearance_m, Closed(0, 1), "m",
-                    "Distance of the camera from furniture and walls."},
+                    "Minimum distance of the camera from furniture and walls."},
         OptionField{"tilt_rad", &O::tilt_rad, Closed(0, 0.5), "rad",
                     "Standard deviation of pitch and roll."},
         OptionField{"later_share", &O::later_share, Closed(0, 1), "",
                     "Share of the places that the second visit sees."},
         OptionGroup{"camera", &O::camera},
-        OptionField{"seed", &O::seed, AnyValue(), "", "Of places, headings, light and noise."});
+        OptionField{"seed", &O::seed, AnyValue(), "",
+                    "Random seed of places, headings, light and noise."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -19,14 +19,15 @@ struct PlanOptions {
 
   static constexpr auto Fields(const auto& use) {
     return use(
-        OptionField{"cell_m", &PlanOptions::cell_m, Closed(0.1, 5), "m",
-                    "Side of a cell. Smaller cells give thinner walls and larger plans to type."},
+        OptionField{
+            "cell_m", &PlanOptions::cell_m, Closed(0.1, 5), "m",
+            "Side of a cell. Smaller cells give thinner walls, but make the plan larger to type."},
         OptionField{"wall_height_m", &PlanOptions::wall_height_m, Closed(1, 20), "m",
-                    "Floor to ceiling. Higher rooms show less ceiling and more wall."},
+                    "Height from floor to ceiling. Higher rooms show less ceiling and more wall."},
         OptionField{
             "door_height_m", &PlanOptions::door_height_m, AtLeast(0.5), "m",
-            "Floor to the underside of a door's lintel, at most wall_height_m, which means no "
-            "lintel. A lower one hides more of the next room."});
+            "Height from the floor to the underside of a door's lintel, at most wall_height_m, "
+            "which means no lintel. A lower one hides more of the next room."});
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;

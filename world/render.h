@@ -28,23 +28,21 @@ struct RenderOptions {
   bool depth = false;
 
   static constexpr auto Fields(const auto& use) {
-    return use(
-        OptionField{"lens_blur_px", &RenderOptions::lens_blur_px, Closed(0, 20), "px",
-                    "Standard deviation of the lens's blur; 0 is a perfect lens."},
-        OptionField{"noise_sigma", &RenderOptions::noise_sigma, Closed(0, 100), "grey levels",
-                    "Standard deviation of the sensor's noise; every pixel draws its own."},
-        OptionField{"noise_seed", &RenderOptions::noise_seed, AnyValue(), "",
-                    "Seed of the noise; give every frame another one."},
-        OptionField{"exposure_gain", &RenderOptions::exposure_gain, Closed(0.05, 20), "",
-                    "Factor on the light; what gets too bright is cut at 255."},
-        OptionField{
-            "motion_samples", &RenderOptions::motion_samples, Closed(1, 64), "",
-            "Pictures averaged over the motion; they cost as much as frames. 1 is no motion "
-            "blur."},
-        OptionField{
-            "edge_rays", &RenderOptions::edge_rays, Closed(1, 8), "",
-            "Rays along each side of a pixel where two surfaces meet; 1 leaves jagged edges, 2 "
-            "costs a few percent."});
+    return use(OptionField{"lens_blur_px", &RenderOptions::lens_blur_px, Closed(0, 20), "px",
+                           "Standard deviation of the lens blur; 0 is a perfect lens."},
+               OptionField{
+                   "noise_sigma", &RenderOptions::noise_sigma, Closed(0, 100), "grey levels",
+                   "Standard deviation of the sensor noise, which is independent for every pixel."},
+               OptionField{"noise_seed", &RenderOptions::noise_seed, AnyValue(), "",
+                           "Random seed of the noise; use a different one for every frame."},
+               OptionField{"exposure_gain", &RenderOptions::exposure_gain, Closed(0.05, 20), "",
+                           "Factor applied to the light; values are clipped at 255."},
+               OptionField{"motion_samples", &RenderOptions::motion_samples, Closed(1, 64), "",
+                           "Number of images averaged over the motion, each of which costs as much "
+                           "as a frame. 1 gives no motion blur."},
+               OptionField{"edge_rays", &RenderOptions::edge_rays, Closed(1, 8), "",
+                           "Number of rays along each side of a pixel where two surfaces meet; 1 "
+                           "leaves jagged edges, 2 costs a few percent."});
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;

@@ -51,8 +51,8 @@ struct OdometryOptions {
             "turn_noise", &OdometryOptions::turn_noise, Closed(0, 1), "",
             "Standard deviation of the error of the heading, rad per square root of a metre."},
         OptionField{"turn_bias", &OdometryOptions::turn_bias, Closed(-1, 1), "rad/m",
-                    "Constant error of the heading, as by wheels of unequal size."},
-        OptionField{"seed", &OdometryOptions::seed, AnyValue(), "", "All noise follows from it."});
+                    "Constant error of the heading, as caused by wheels of unequal size."},
+        OptionField{"seed", &OdometryOptions::seed, AnyValue(), "", "Random seed of all noise."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

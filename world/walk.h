@@ -44,36 +44,34 @@ struct WalkOptions {
     return use(
         OptionField{"height_m", &WalkOptions::height_m, Closed(0.1, 20), "m",
                     "Height of the camera above the floor, below the lintels."},
-        OptionField{
-            "step_m", &WalkOptions::step_m, Closed(0.001, 1), "m",
-            "Largest step from a frame to the next. Longer steps mean fewer frames with less "
-            "overlap."},
+        OptionField{"step_m", &WalkOptions::step_m, Closed(0.001, 1), "m",
+                    "Maximum step from one frame to the next. Longer steps mean fewer frames with "
+                    "less overlap."},
         OptionField{"turn_rad", &WalkOptions::turn_rad, Closed(0.001, 1), "rad",
-                    "Largest turn from a frame to the next: in bends the camera slows down."},
+                    "Maximum turn from one frame to the next: the camera slows down in bends."},
         OptionField{"frame_rate", &WalkOptions::frame_rate, Closed(1, 1000), "1/s",
-                    "Frames a second: the time stamps."},
+                    "Frames per second, for the time stamps."},
+        OptionField{"gaze_rad", &WalkOptions::gaze_rad, Closed(0, 1.5), "rad",
+                    "The camera pans by this angle to the left and right of the trajectory, so "
+                    "that walls are passed at an oblique angle; 0 looks straight ahead."},
         OptionField{
-            "gaze_rad", &WalkOptions::gaze_rad, Closed(0, 1.5), "rad",
-            "The gaze swings by this angle to the left and right of the trajectory, so that "
-            "walls are passed at an oblique angle; 0 looks straight ahead."},
-        OptionField{"gaze_period_m", &WalkOptions::gaze_period_m, Closed(0.5, 100), "m",
-                    "Length of trajectory for a swing to the left, the right and back."},
-        OptionField{
-            "gaze_offset_rad", &WalkOptions::gaze_offset_rad, Closed(-3.2, 3.2), "rad",
-            "Constant angle between trajectory and gaze; pi / 2 looks to the left all the time."},
-        OptionField{
-            "sway", &WalkOptions::sway, Closed(0, 5), "",
-            "How unsteady the hand is: factor on the sway of height (2 cm), pitch (2 degrees) "
-            "and roll (1 degree); 0 is a rail."},
-        OptionField{
-            "turn_on_spot_rad", &WalkOptions::turn_on_spot_rad, Closed(-6.3, 6.3), "rad",
-            "Half way the camera stops and turns on the spot by this angle and back: a stretch "
-            "without parallax. 0 is none."},
+            "gaze_period_m", &WalkOptions::gaze_period_m, Closed(0.5, 100), "m",
+            "Length of trajectory over which the camera pans to the left, to the right and back."},
+        OptionField{"gaze_offset_rad", &WalkOptions::gaze_offset_rad, Closed(-3.2, 3.2), "rad",
+                    "Constant angle between the trajectory and the viewing direction; pi / 2 looks "
+                    "to the left all the time."},
+        OptionField{"sway", &WalkOptions::sway, Closed(0, 5), "",
+                    "How unsteady the hand is: factor applied to the sway in height (2 cm), pitch "
+                    "(2 degrees) and roll (1 degree); 0 moves as on a rail."},
+        OptionField{"turn_on_spot_rad", &WalkOptions::turn_on_spot_rad, Closed(-6.3, 6.3), "rad",
+                    "Halfway, the camera stops and turns on the spot by this angle and back: a "
+                    "stretch without parallax. 0 disables it."},
         OptionField{"rounding_m", &WalkOptions::rounding_m, Closed(0.05, 2), "m",
                     "Corners of the trajectory are rounded off over this length."},
         OptionField{"clearance_m", &WalkOptions::clearance_m, Closed(0, 2), "m",
                     "Distance kept from walls where the trajectory allows it."},
-        OptionField{"seed", &WalkOptions::seed, AnyValue(), "", "Phases of the sway."});
+        OptionField{"seed", &WalkOptions::seed, AnyValue(), "",
+                    "Random seed of the phases of the sway."});
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;

@@ -28,38 +28,37 @@ struct WorldOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"seed", &WorldOptions::seed, AnyValue(), "",
-                    "Everything random follows from it."},
-        OptionField{"texel_m", &WorldOptions::texel_m, Closed(0.001, 0.1), "m",
-                    "Side of a texel. Finer texels are sharper up close and cost memory with their "
-                    "square; a picture of 640 px and 60 degrees shows 4 mm a pixel at 2.2 m."},
+                    "Random seed of the whole building."},
+        OptionField{
+            "texel_m", &WorldOptions::texel_m, Closed(0.001, 0.1), "m",
+            "Side of a texel. Finer texels are sharper up close, but memory grows quadratically; "
+            "an image 640 px and 60 degrees wide shows 4 mm per pixel at 2.2 m."},
         OptionField{"texture_richness", &WorldOptions::texture_richness, Closed(0, 2), "",
-                    "Density of the shapes on walls, floor, ceiling and posters. More of them give "
-                    "more corners; fewer give an emptier, more difficult building."},
+                    "Density of the shapes on walls, floor, ceiling and posters. Higher values "
+                    "give more corners; lower values give an emptier, more difficult building."},
         OptionField{"bare_walls", &WorldOptions::bare_walls, Closed(0, 1), "",
-                    "Share of the walls that are bare (plain paint with hardly a corner)."},
+                    "Share of the walls that are bare (plain paint with hardly any corners)."},
         OptionField{
             "trim", &WorldOptions::trim, AnyValue(), "",
-            "Whether surfaces have trim: skirting board, rail, cornice and door frames on "
-            "walls, panels on the ceiling, tiles on the floor. Without it hardly a line runs "
-            "along the building's axes but for the edges between surfaces, which is unlike "
-            "most buildings."},
-        OptionField{
-            "poster_probability", &WorldOptions::poster_probability, Closed(0, 1), "",
-            "Chance that a stretch of wall of full height gets a poster besides those of the "
-            "plan."},
+            "Whether surfaces have trim: skirting board, rail, cornice and door frames on walls, "
+            "panels on the ceiling, tiles on the floor. Without it, hardly any lines run along the "
+            "building's axes except the edges between surfaces, unlike in most buildings."},
+        OptionField{"poster_probability", &WorldOptions::poster_probability, Closed(0, 1), "",
+                    "Probability that a full-height stretch of wall gets a poster in addition to "
+                    "those of the plan."},
         OptionField{"repeat_poster", &WorldOptions::repeat_poster, Closed(0, 1), "",
-                    "Share of these posters that show one and the same picture. More of them make "
-                    "places that look alike."},
+                    "Share of these posters that show the same picture. Higher values make more "
+                    "places look alike."},
         OptionField{"poster_width_m", &WorldOptions::poster_width_m, Closed(0.1, 5), "m",
                     "Width of a poster."},
         OptionField{"poster_height_m", &WorldOptions::poster_height_m, Closed(0.1, 5), "m",
                     "Height of a poster."},
         OptionField{"storey", &WorldOptions::storey, Closed(0, 1000), "",
-                    "Which storey of a building: all have the same plan, bare walls and places of "
-                    "posters, and the share alike_share of the posters' pictures."},
+                    "Storey of the building: all storeys have the same plan, bare walls and poster "
+                    "positions, and share alike_share of the posters' pictures."},
         OptionField{"alike_share", &WorldOptions::alike_share, Closed(0, 1), "",
-                    "Share of the posters that hang on every storey. More make storeys harder to "
-                    "tell apart."});
+                    "Share of the posters that are the same on every storey. Higher values make "
+                    "storeys harder to tell apart."});
   }
   // Throws MapError(kBadOptions) for a value out of its range.
   void Check() const;

@@ -36,9 +36,9 @@ struct WriteWalkOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"pinhole", &WriteWalkOptions::pinhole, AnyValue(), "",
-                    "Write the pictures of one pinhole camera."},
+                    "Write the images of a pinhole camera."},
         OptionField{"rig", &WriteWalkOptions::rig, AnyValue(), "",
-                    "Write the pictures of the rig of six faces."},
+                    "Write the images of the rig of six faces."},
         OptionField{"panorama", &WriteWalkOptions::panorama, AnyValue(), "",
                     "Write equirectangular panoramas."},
         OptionField{"rig_width_px", &WriteWalkOptions::rig_width_px, AtLeast(1), "px",
@@ -46,13 +46,13 @@ struct WriteWalkOptions {
         OptionField{"panorama_width_px", &WriteWalkOptions::panorama_width_px, AtLeast(1), "px",
                     "Width of a panorama."},
         OptionField{"jpeg_quality", &WriteWalkOptions::jpeg_quality, Closed(1, 100), "",
-                    "Quality of JPEG pictures. Higher takes more bytes."},
+                    "JPEG quality. Higher values take more bytes."},
         OptionField{"plane_ids", &WriteWalkOptions::plane_ids, AnyValue(), "",
-                    "Write the plane id of every pixel of the pinhole pictures (16-bit PNG)."},
+                    "Write the plane id of every pixel of the pinhole images (16-bit PNG)."},
         OptionGroup{"render", &WriteWalkOptions::render},
         OptionField{"shutter", &WriteWalkOptions::shutter, Closed(0, 1), "",
-                    "Part of the time between two frames that the shutter is open; it counts only "
-                    "with render.motion_samples above 1."},
+                    "Share of the time between two frames for which the shutter is open; takes "
+                    "effect only with render.motion_samples above 1."},
         OptionField{"exposure_swing", &WriteWalkOptions::exposure_swing, Closed(0, 3), "",
                     "The exposure swings slowly between 1 / (1 + x) and 1 + x; 0 is constant."});
   }

@@ -29,17 +29,19 @@ struct DescribeOptions {
 
   static constexpr auto Fields(const auto& use) {
     return use(
-        OptionField{"trajectory_rows", &DescribeOptions::trajectory_rows, Closed(2, 1024), "",
-                    "Rows of the signatures that odometry and loops are estimated with; the map "
-                    "doesn't keep them. More estimate headings and steps more accurately."},
+        OptionField{
+            "trajectory_rows", &DescribeOptions::trajectory_rows, Closed(2, 1024), "",
+            "Number of rows of the signatures from which odometry and loops are estimated; they "
+            "aren't stored in the map. More rows estimate headings and steps more accurately."},
         OptionGroup{"signature", &DescribeOptions::signature},
         OptionGroup{"panorama", &DescribeOptions::panorama},
         OptionGroup{"features", &DescribeOptions::features},
         OptionField{"image_width", &DescribeOptions::image_width, Closed(0, 4096), "px",
-                    "Width of the thumbnail kept of each panorama; 0 keeps none, otherwise at "
-                    "least 16. Wider ones make the map larger."},
-        OptionField{"image_quality", &DescribeOptions::image_quality, Closed(1, 100), "",
-                    "WebP quality of that thumbnail. Higher is clearer and larger."});
+                    "Width of the thumbnail stored for each panorama; 0 stores none, otherwise at "
+                    "least 16. Wider thumbnails make the map larger."},
+        OptionField{
+            "image_quality", &DescribeOptions::image_quality, Closed(1, 100), "",
+            "WebP quality of that thumbnail. Higher values give clearer, but larger images."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -29,29 +29,29 @@ struct LoopOptions {
         OptionField{
             "min_gap", &LoopOptions::min_gap, Closed(2, 100'000), "panoramas",
             "Two panoramas of one sequence form a loop only if they are at least this many "
-            "panoramas apart. Lower finds smaller loops, and also pairs of adjacent places."},
+            "panoramas apart. Lower values find smaller loops, but also pairs of adjacent places."},
+        OptionField{"k1", &LoopOptions::k1, Closed(1, 4096), "",
+                    "Number of magnitudes per row used to find candidates, at most those of the "
+                    "signatures. Low frequencies change slowly, so that a place is still "
+                    "recognised a few steps away."},
         OptionField{
-            "k1", &LoopOptions::k1, Closed(1, 4096), "",
-            "Magnitudes per row used to find candidates, at most those of the signatures. Low "
-            "frequencies change slowly, so that a place is still recognised a few steps away."},
-        OptionField{"max_distance_share", &LoopOptions::max_distance_share, Closed(0.05, 1), "",
-                    "Largest distance of a candidate relative to the usual distance of two "
-                    "panoramas. Higher finds more loops; each candidate costs one compass "
-                    "estimate."},
+            "max_distance_share", &LoopOptions::max_distance_share, Closed(0.05, 1), "",
+            "Maximum distance of a candidate, relative to the typical distance between two "
+            "panoramas. Higher values find more loops; each candidate costs one compass estimate."},
         OptionField{"candidates", &LoopOptions::candidates, Closed(1, 20), "",
-                    "Candidates per panorama, each min_gap from the others."},
+                    "Number of candidates per panorama, each at least min_gap from the others."},
         OptionField{"max_sigma_rad", &LoopOptions::max_sigma_rad, Closed(0.001, 1), "rad",
-                    "Candidates whose heading is less certain than this do not close a loop."},
+                    "Candidates whose heading is less certain than this don't close a loop."},
         OptionField{
             "min_supporters", &LoopOptions::min_supporters, Closed(0, 20), "",
-            "Other candidates among neighbouring panoramas that must agree. Different rooms that "
-            "look alike rarely do so over several panoramas and from the same side."},
+            "Number of other candidates among neighbouring panoramas that must agree. Different "
+            "rooms that look alike rarely do so over several panoramas and from the same side."},
         OptionField{"neighbourhood", &LoopOptions::neighbourhood, Closed(1, 1000), "panoramas",
-                    "How far before or behind in both passes a supporter may be."},
+                    "How far before or after a candidate a supporting one may be, in both passes."},
         OptionField{"agreement_rad", &LoopOptions::agreement_rad, Closed(0.001, 1), "rad",
                     "Headings that differ by at most this agree."},
         OptionField{"agreement_steps", &LoopOptions::agreement_steps, Closed(0.1, 100), "steps",
-                    "Positions agree if they differ by at most this plus trajectory_share of the "
+                    "Positions agree if they differ by at most this, plus trajectory_share of the "
                     "trajectory between them."},
         OptionField{"trajectory_share", &LoopOptions::trajectory_share, Closed(0, 1), "",
                     "Allowed odometry error between two loops, as a share of the trajectory "
@@ -61,8 +61,8 @@ struct LoopOptions {
                     "Standard deviation of a loop's position as a share of the loop's length; "
                     "added to steps_sigma."},
         OptionField{"steps_sigma", &LoopOptions::steps_sigma, Closed(0.01, 100), "steps",
-                    "Standard deviation of a loop's position that does not depend on its length; "
-                    "added to length_sigma."});
+                    "Part of the standard deviation of a loop's position that doesn't depend on "
+                    "its length; added to length_sigma."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

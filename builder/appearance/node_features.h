@@ -21,10 +21,12 @@ struct NodeFeatureOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"max_kept", &NodeFeatureOptions::max_kept, Closed(0, 10'000), "",
-                    "Features stored per panorama. More verify from farther away, at 36 bytes each "
-                    "in the map. 0 stores none, and answers rest on appearance alone."},
+                    "Number of features stored per panorama. More features allow verification from "
+                    "farther away, at 36 bytes each in the map. With 0, none are stored, and "
+                    "answers rely on appearance alone."},
         OptionField{"sectors", &NodeFeatureOptions::sectors, Closed(1, 360), "",
-                    "Sectors of the horizon, above and below it, over which features are spread.",
+                    "Number of sectors around the horizon, both above and below it, over which "
+                    "features are spread.",
                     OptionUse::kInternal},
         OptionField{"max_crowd", &NodeFeatureOptions::max_crowd, Closed(1, 1000), "",
                     "A sector is filled beyond this multiple of its even share only when the other "

@@ -28,12 +28,12 @@ struct AppearanceOptions {
         OptionGroup{"graph", &AppearanceOptions::graph},
         OptionGroup{"redundancy", &AppearanceOptions::redundancy},
         OptionField{"close_loops", &AppearanceOptions::close_loops, AnyValue(), "",
-                    "Close loops. Without loops, poses are those of the odometry."},
-        OptionField{"max_samples", &AppearanceOptions::max_samples, Closed(0, 100'000), "",
-                    "Panoramas whose features are handed out whole for calibration, spread evenly "
-                    "over all. They take about 0.2 MB each while the map is built. BuildMap sets "
-                    "it.",
-                    OptionUse::kInternal});
+                    "Whether to close loops. Without loops, poses are those of the odometry."},
+        OptionField{
+            "max_samples", &AppearanceOptions::max_samples, Closed(0, 100'000), "",
+            "Number of panoramas, spread evenly over all, whose features are kept in full for "
+            "calibration. They take about 0.2 MB each while the map is built. Set by BuildMap.",
+            OptionUse::kInternal});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -15,10 +15,10 @@ struct RedundancyOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"max_loss", &RedundancyOptions::max_loss, Closed(0, 1), "",
-                    "Largest loss of information by which a panorama may be left out: the share "
-                    "of its magnitudes' variance over the map that interpolating between the kept "
-                    "panoramas before and after it doesn't explain. 0 keeps all; 0.1 is sparing. "
-                    "Even small losses cost accuracy between the nodes."});
+                    "Maximum loss of information at which a panorama may be left out: the share of "
+                    "its magnitudes' variance over the map that isn't explained by interpolating "
+                    "between the kept panoramas before and after it. 0 keeps all panoramas; 0.1 "
+                    "leaves out few. Even small losses cost accuracy between the nodes."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -24,23 +24,24 @@ struct VisualOdometryOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"k1", &VisualOdometryOptions::k1, Closed(1, 4096), "",
-                    "Magnitudes per row over which the distance of two panoramas (eq. 2) is "
-                    "summed, at most those of the signatures. Distances grow more slowly than the "
-                    "trajectory: with fewer frequencies they stay proportional longer, but depend "
-                    "more on how near the walls are."},
+                    "Number of magnitudes per row over which the distance between two panoramas "
+                    "(eq. 2) is summed, at most those of the signatures. Distances grow more "
+                    "slowly than the trajectory: with fewer frequencies they stay proportional for "
+                    "longer, but depend more on how near the walls are."},
         OptionField{"max_span", &VisualOdometryOptions::max_span, Closed(1, 64), "panoramas",
                     "Each panorama is compared with those 1, 2, 4, ... before it, up to this. "
-                    "Headings over several steps do not accumulate the errors of single steps. "
-                    "Each comparison costs one compass estimate."},
+                    "Headings over several steps don't accumulate the errors of single steps. Each "
+                    "comparison costs one compass estimate."},
         OptionGroup{"compass", &VisualOdometryOptions::compass},
         OptionField{"length_sigma", &VisualOdometryOptions::length_sigma, Closed(0.01, 10), "",
-                    "Standard deviation of a step's position, relative to its length. Larger than "
-                    "the error of a single step, because errors of neighbouring steps are "
-                    "correlated. Higher lets loops bend the trajectory more."},
+                    "Standard deviation of a step's position, relative to its length. It is larger "
+                    "than the error of a single step because the errors of neighbouring steps are "
+                    "correlated. Higher values let loops bend the trajectory more."},
         OptionField{"span_sigma", &VisualOdometryOptions::span_sigma, Closed(0.01, 10), "",
-                    "The same for longer spans, whose lengths are the sums of their steps."},
+                    "The same as length_sigma, for longer spans, whose lengths are the sums of "
+                    "their steps."},
         OptionField{"max_sigma_rad", &VisualOdometryOptions::max_sigma_rad, Closed(0.01, 3), "rad",
-                    "Steps whose headings are less certain are counted as uncertain."});
+                    "Steps whose headings are less certain than this are counted as uncertain."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

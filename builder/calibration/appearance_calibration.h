@@ -25,27 +25,28 @@ struct AppearanceCalibrationOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"max_nodes", &AppearanceCalibrationOptions::max_nodes, Closed(1, 100'000), "",
-                    "Panoramas with which the finished layer is queried, spread evenly over it. "
-                    "More fit the model better; each costs one query per value of blank_spacings."},
+                    "Number of panoramas with which the finished layer is queried, spread evenly "
+                    "over it. More panoramas fit the model better; each costs one query per value "
+                    "of blank_spacings."},
         OptionField{"right_spacings", &AppearanceCalibrationOptions::right_spacings,
                     Closed(0.1, 100), "node spacings",
                     "An answer within this distance of the truth is right."},
         OptionField{"blank_spacings", &AppearanceCalibrationOptions::blank_spacings,
                     Closed(0, 1000), "node spacings",
-                    "Each panorama is queried as if its surroundings were not in the map, that is "
-                    "without the nodes within this many spacings; 0 leaves out the panorama itself "
-                    "only. Beyond query.elsewhere_spacings answers are just slightly wrong, and "
+                    "Each panorama is queried as if its surroundings were not in the map, that is, "
+                    "without the nodes within this many spacings; 0 leaves out only the panorama "
+                    "itself. Beyond query.elsewhere_spacings, answers are only slightly wrong, and "
                     "the model learns to refuse them."},
         OptionField{"min_right_share", &AppearanceCalibrationOptions::min_right_share, Closed(0, 1),
                     "",
-                    "Share of the answers the default model is sure of that must be right "
-                    "according to the map's poses. Below it, the trajectory is too inaccurate to "
-                    "learn from, and the default model is used.",
+                    "Minimum share of the answers that the default model is sure of that must be "
+                    "right according to the map's poses. Below it, the trajectory is too "
+                    "inaccurate to learn from, and the default model is used.",
                     OptionUse::kInternal},
         OptionField{"rendered_negatives", &AppearanceCalibrationOptions::rendered_negatives,
                     Closed(0, 1000), "",
-                    "Additional query panoramas of a rendered building, which is not in the map. "
-                    "About 50 ms each."},
+                    "Number of additional query panoramas of a rendered building, which is not in "
+                    "the map; about 50 ms each."},
         OptionGroup{"query", &AppearanceCalibrationOptions::query},
         OptionGroup{"fit", &AppearanceCalibrationOptions::fit});
   }

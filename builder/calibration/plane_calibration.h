@@ -22,18 +22,17 @@ struct CalibrationOptions {
   uint64_t seed = 1;
 
   static constexpr auto Fields(const auto& use) {
-    return use(
-        OptionField{"max_keyframes", &CalibrationOptions::max_keyframes, AtLeast(2), "",
-                    "Keyframes with which the finished map is queried. More fit the model better, "
-                    "at about 30 ms each."},
-        OptionField{"rendered_negatives", &CalibrationOptions::rendered_negatives,
-                    Closed(0, 100'000), "",
-                    "Additional query images of a rendered building, which is not in the map. "
-                    "About 100 ms each."},
-        OptionGroup{"localize", &CalibrationOptions::localize},
-        OptionGroup{"fit", &CalibrationOptions::fit},
-        OptionField{"seed", &CalibrationOptions::seed, AnyValue(), "",
-                    "Seed of the scrambled negatives."});
+    return use(OptionField{"max_keyframes", &CalibrationOptions::max_keyframes, AtLeast(2), "",
+                           "Number of keyframes with which the finished map is queried. More "
+                           "keyframes fit the model better, at about 30 ms each."},
+               OptionField{"rendered_negatives", &CalibrationOptions::rendered_negatives,
+                           Closed(0, 100'000), "",
+                           "Number of additional query images of a rendered building, which is not "
+                           "in the map; about 100 ms each."},
+               OptionGroup{"localize", &CalibrationOptions::localize},
+               OptionGroup{"fit", &CalibrationOptions::fit},
+               OptionField{"seed", &CalibrationOptions::seed, AnyValue(), "",
+                           "Random seed of the scrambled negatives."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

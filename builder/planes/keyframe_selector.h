@@ -24,21 +24,22 @@ struct KeyframeOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"min_matches_last", &KeyframeOptions::min_matches_last, AtLeast(4), "",
-                    "M: matches with the last keyframe, or 0.6 of its features if these are fewer. "
-                    "Higher: more keyframes, closer together."},
+                    "M: minimum number of matches with the last keyframe, or 0.6 of its features "
+                    "if that is less. Higher values give more keyframes, closer together."},
         OptionField{"min_matches_before_last", &KeyframeOptions::min_matches_before_last,
                     AtLeast(4), "",
-                    "N: matches with the keyframe before the last, or 0.3 of its features; at most "
-                    "M."},
+                    "N: minimum number of matches with the keyframe before the last, or 0.3 of its "
+                    "features if that is less; at most M."},
         OptionField{"lookahead", &KeyframeOptions::lookahead, AtLeast(0), "frames",
-                    "Frames tried beyond the first one that breaks the conditions, so that one "
-                    "blurred frame doesn't end the search."},
+                    "Number of frames tried after the first one that violates the conditions, so "
+                    "that a single blurred frame doesn't end the search."},
         OptionField{"max_gap", &KeyframeOptions::max_gap, AtLeast(1), "frames",
-                    "Most frames from one keyframe to the next; bounds the cost of a camera that "
-                    "stands still."},
+                    "Maximum distance from one keyframe to the next; bounds the cost while the "
+                    "camera stands still."},
         OptionField{"min_matches_stretch", &KeyframeOptions::min_matches_stretch, AtLeast(4), "",
-                    "With fewer matches with the last keyframe, or than 0.3 of its features, the "
-                    "sequence counts as interrupted and a new stretch starts; at most N."});
+                    "If there are fewer matches with the last keyframe than this, or than 0.3 of "
+                    "its features if that is less, the sequence counts as interrupted and a new "
+                    "stretch starts; at most N."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -25,23 +25,23 @@ struct LandmarkOptions {
     using Self = LandmarkOptions;
     return use(
         OptionField{"max_kept", &Self::max_kept, Closed(0, 10'000), "",
-                    "Landmarks stored per keyframe, at 36 bytes each, and more where few features "
-                    "are found again (lone_per_found). More recognise more places. 0 stores planes "
-                    "only."},
+                    "Number of landmarks stored per keyframe, at 36 bytes each; more are stored "
+                    "where few features are redetected (lone_per_found). More landmarks recognise "
+                    "more places; 0 stores planes only."},
         OptionField{"neighbours", &Self::neighbours, Closed(1, 10), "",
-                    "Keyframes before and after in which a landmark is searched for. More select "
-                    "repeatable features more reliably and take longer."},
+                    "Number of keyframes before and after in which a landmark is searched for. "
+                    "More keyframes select repeatable features more reliably, but take longer."},
         OptionField{
             "on_plane_px", &Self::on_plane_px, AtLeast(0), "px",
             "A feature within this distance of a plane's feature is not stored as a landmark."},
+        OptionField{"lone_per_found", &Self::lone_per_found, Closed(0, 10), "",
+                    "Where fewer features than max_kept were redetected, this many others are "
+                    "stored for each missing one, since queries find fewer of these. Photos "
+                    "without neighbouring photos have no others."},
         OptionField{
-            "lone_per_found", &Self::lone_per_found, Closed(0, 10), "",
-            "Where fewer features were found again than max_kept, so many others are stored "
-            "for each that is missing: queries find fewer of them. Photos without "
-            "neighbouring photos have no others."},
-        OptionField{"cells", &Self::cells, Closed(1, 100), "",
-                    "Cells along each side of the image over which landmarks are spread.",
-                    OptionUse::kInternal},
+            "cells", &Self::cells, Closed(1, 100), "",
+            "Number of cells along each side of the image, over which landmarks are spread.",
+            OptionUse::kInternal},
         OptionField{"max_crowd", &Self::max_crowd, Closed(1, 1000), "",
                     "A cell is filled beyond this multiple of its even share only when the other "
                     "cells have no more landmarks.",

@@ -25,22 +25,23 @@ struct RotationOptions {
     return use(
         OptionField{"min_share", &RotationOptions::min_share, OpenLow(0, 1), "",
                     "Share of the matches that one homography must explain before a pure rotation "
-                    "is tested."},
-        OptionField{"max_excess", &RotationOptions::max_excess, AtLeast(1), "",
-                    "Largest root-mean-square error of a rotation relative to the free "
-                    "homography's. Higher takes more keyframe pairs for rotations.",
-                    OptionUse::kInternal},
+                    "is tested for."},
+        OptionField{
+            "max_excess", &RotationOptions::max_excess, AtLeast(1), "",
+            "Maximum root-mean-square error of a rotation, relative to that of the unconstrained "
+            "homography. Higher values treat more pairs of keyframes as rotations.",
+            OptionUse::kInternal},
         OptionField{"min_focal", &RotationOptions::min_focal, Above(0), "image sizes",
-                    "Shortest focal length tried where the camera isn't known, in units of the "
-                    "image's longer side."},
+                    "Minimum focal length tried if the camera is unknown, in units of the image's "
+                    "longer side."},
         OptionField{"max_focal", &RotationOptions::max_focal, Above(0), "image sizes",
-                    "Longest focal length tried; above min_focal."},
+                    "Maximum focal length tried; above min_focal."},
         OptionField{"focal_steps", &RotationOptions::focal_steps, Closed(2, 10'000), "",
-                    "Focal lengths tried.", OptionUse::kInternal},
-        OptionField{"max_angle_rad", &RotationOptions::max_angle_rad, Open(0, std::numbers::pi / 2),
-                    "rad",
-                    "Matches farther than this from the optical axis of a calibrated camera are "
-                    "ignored: after undistortion, the edge of a very wide image is mostly noise."});
+                    "Number of focal lengths tried.", OptionUse::kInternal},
+        OptionField{
+            "max_angle_rad", &RotationOptions::max_angle_rad, Open(0, std::numbers::pi / 2), "rad",
+            "Matches farther than this from the optical axis of a calibrated camera are ignored: "
+            "after undistortion, the edges of a very wide image are mostly noise."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -67,48 +68,50 @@ struct FusionOptions {
     return use(
         OptionGroup{"index", &FusionOptions::index},
         OptionField{"min_votes", &FusionOptions::min_votes, AtLeast(1), "",
-                    "Descriptor votes that make a pair of planes a candidate. Lower tries more "
-                    "pairs."},
+                    "Number of descriptor votes that make a pair of planes a candidate. Lower "
+                    "values try more pairs."},
         OptionField{"votes_per_feature", &FusionOptions::votes_per_feature, Closed(1, 1000), "",
-                    "Planes that a feature votes for, nearest first.", OptionUse::kInternal},
+                    "Number of planes that a feature votes for, nearest first.",
+                    OptionUse::kInternal},
         OptionField{"neighbours", &FusionOptions::neighbours, Closed(2, 1000), "",
-                    "Nearest neighbours searched per feature. The distance of the farthest one is "
-                    "taken as that of a match by chance.",
+                    "Number of nearest neighbours searched for per feature. The distance of the "
+                    "farthest one is taken as that of a chance match.",
                     OptionUse::kInternal},
         OptionField{"max_vote_distance", &FusionOptions::max_vote_distance, OpenLow(0, 1), "",
-                    "Largest descriptor distance of a neighbour that counts, relative to the "
-                    "largest of its type. Higher tries more pairs."},
+                    "Maximum descriptor distance of a neighbour that counts, relative to the "
+                    "largest possible one of its type. Higher values try more pairs."},
         OptionField{"max_vote_ratio", &FusionOptions::max_vote_ratio, OpenLow(0, 1), "",
-                    "Largest distance of a neighbour that counts, relative to that of a match by "
-                    "chance. Either limit suffices."},
+                    "Maximum distance of a neighbour that counts, relative to that of a chance "
+                    "match. A neighbour within either limit counts."},
         OptionField{"max_voters", &FusionOptions::max_voters, AtLeast(1), "",
-                    "Features per plane that vote, most seen first. Bounds the cost of large "
-                    "planes.",
+                    "Number of features per plane that vote, most often seen first; bounds the "
+                    "cost of large planes.",
                     OptionUse::kInternal},
         OptionField{"probes", &FusionOptions::probes, AtLeast(1), "",
-                    "Lists of the voters' index that are searched. More miss fewer neighbours and "
-                    "take longer.",
+                    "Number of lists of the voters' index that are searched. More lists miss fewer "
+                    "neighbours, but take longer.",
                     OptionUse::kInternal},
-        OptionField{"min_inliers", &FusionOptions::min_inliers, AtLeast(5), "",
-                    "Matches that must support the homography between the two planes."},
-        OptionField{"min_support", &FusionOptions::min_support, Closed(0, 1), "",
-                    "Share of all matches between the two planes that must support it (\"most of "
-                    "the matches\")."},
-        OptionField{"min_overlap", &FusionOptions::min_overlap, Closed(0, 1), "",
-                    "Share of the features of one plane in the common area of both that must "
-                    "match, of the plane with the larger share. It keeps copies of a poster apart, "
-                    "which match on the poster only."},
         OptionField{
-            "min_within_reach", &FusionOptions::min_within_reach, Closed(0, 1), "",
-            "Share of a plane's features that must lie within reach of the other plane's reference "
-            "image. Otherwise the planes are connected by an edge instead of fused."},
+            "min_inliers", &FusionOptions::min_inliers, AtLeast(5), "",
+            "Minimum number of matches that must support the homography between the two planes."},
+        OptionField{"min_support", &FusionOptions::min_support, Closed(0, 1), "",
+                    "Minimum share of all matches between the two planes that must support their "
+                    "homography (\"most of the matches\")."},
+        OptionField{"min_overlap", &FusionOptions::min_overlap, Closed(0, 1), "",
+                    "Minimum share of a plane's features in the area common to both planes that "
+                    "must match; of the two planes, the one with the larger share counts. This "
+                    "keeps copies of a poster apart, which match only on the poster."},
+        OptionField{"min_within_reach", &FusionOptions::min_within_reach, Closed(0, 1), "",
+                    "Minimum share of a plane's features that must lie within reach of the other "
+                    "plane's reference image. Otherwise the planes are connected by an edge "
+                    "instead of being fused."},
         OptionField{"max_moved_px", &FusionOptions::max_moved_px, Above(0), "px",
                     "A feature is out of reach where the uncertainty of the homography (one "
                     "sigma) moves it by more than this."},
         OptionField{"max_apart_px", &FusionOptions::max_apart_px, Above(0), "px",
-                    "Planes seen together are parts of one surface where their homographies move "
-                    "each other's features to places no farther apart than this (median), from "
-                    "any keyframe that saw both to any other."});
+                    "Planes seen together are parts of one surface if their homographies map each "
+                    "other's features to positions no farther apart than this (median), from any "
+                    "keyframe with both in view to any other."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -141,45 +144,46 @@ struct PlaneLayerOptions {
         OptionGroup{"fusion", &PlaneLayerOptions::fusion},
         OptionGroup{"landmarks", &PlaneLayerOptions::landmarks},
         OptionField{"min_tracked", &PlaneLayerOptions::min_tracked, AtLeast(5), "",
-                    "Features of a plane that must be tracked into the next keyframe; with fewer "
-                    "the plane is closed."},
-        OptionField{
-            "min_support", &PlaneLayerOptions::min_support, Closed(0, 1), "",
-            "Share of the matches that take a plane's features to later keyframes that must "
-            "support it (\"most of the matches\"); with fewer the plane is dropped. Higher: "
-            "fewer and purer planes; lower: more planes, among them things at different "
-            "depths."},
+                    "Number of features of a plane that must be tracked into the next keyframe; "
+                    "with fewer, the plane is closed."},
+        OptionField{"min_support", &PlaneLayerOptions::min_support, Closed(0, 1), "",
+                    "Minimum share of the matches between a plane's features and later keyframes "
+                    "that must support the plane (\"most of the matches\"); with fewer, the plane "
+                    "is dropped. Higher values give fewer, purer planes; lower values give more "
+                    "planes, some of which mix different depths."},
         OptionField{"reacquire_px", &PlaneLayerOptions::reacquire_px, Above(0), "px",
-                    "A keypoint this close to where the homography puts a feature may be that "
-                    "feature again.",
+                    "A keypoint within this distance of where the homography maps a feature may be "
+                    "that feature.",
                     OptionUse::kInternal},
         OptionField{"reacquire_distance", &PlaneLayerOptions::reacquire_distance, OpenLow(0, 1), "",
-                    "Largest descriptor distance of such a keypoint, relative to the largest of "
-                    "its type.",
+                    "Maximum descriptor distance of such a keypoint, relative to the largest "
+                    "possible one of its type.",
                     OptionUse::kInternal},
         OptionField{"max_extrapolation", &PlaneLayerOptions::max_extrapolation, AtLeast(0),
                     "image sizes",
-                    "How far beyond its reference image a plane may grow; farther out, positions "
+                    "How far a plane may grow beyond its reference image; farther out, positions "
                     "are extrapolated and inaccurate."},
         OptionField{"min_anchored", &PlaneLayerOptions::min_anchored, Closed(0, 1), "",
-                    "A plane is continued by a new one with a newer reference image if its "
-                    "reference image shows less than this share of its matches. Higher: more "
-                    "planes, each more accurate; lower: fewer and larger ones."},
+                    "A plane is continued by a new one with a newer reference image if its own "
+                    "reference image contains less than this share of its matches. Higher values "
+                    "give more planes, each more accurate; lower values give fewer, larger ones."},
         OptionField{"min_vote_share", &PlaneLayerOptions::min_vote_share, Closed(0, 1), "",
-                    "A feature is kept if it was found in this share of the keyframes that should "
-                    "have seen it."},
-        OptionField{
-            "plenty_of_features", &PlaneLayerOptions::plenty_of_features, AtLeast(4), "",
-            "A plane stores features found in fewer than votes_in_plenty keyframes only up to this "
-            "total. Lower: smaller maps, faster queries, fewer inliers per answer."},
+                    "A feature is kept if it was found in at least this share of the keyframes in "
+                    "which it should be visible."},
+        OptionField{"plenty_of_features", &PlaneLayerOptions::plenty_of_features, AtLeast(4), "",
+                    "A plane stores features that were found in fewer than votes_in_plenty "
+                    "keyframes only up to this total. Lower values give smaller maps, faster "
+                    "queries and fewer inliers per answer."},
         OptionField{"votes_in_plenty", &PlaneLayerOptions::votes_in_plenty, AtLeast(0), "",
-                    "Keyframes in which a feature beyond plenty_of_features must have been found."},
+                    "Number of keyframes in which a feature beyond plenty_of_features must have "
+                    "been found."},
         OptionField{"min_features", &PlaneLayerOptions::min_features, AtLeast(4), "",
                     "A plane with fewer features after voting is dropped."},
         OptionField{"min_features_unconfirmed", &PlaneLayerOptions::min_features_unconfirmed,
-                    AtLeast(4), "", "The same for a plane without a confirming triple match."},
+                    AtLeast(4), "",
+                    "The same as min_features, for a plane that no triple match confirms."},
         OptionField{"seed", &PlaneLayerOptions::seed, AnyValue(), "",
-                    "Seed of the random samples."});
+                    "Random seed of the samples."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -49,7 +49,7 @@ export declare class Client {
   metrics(): Promise<string>;
   /** List of maps. */
   listMaps(options?: { limit?: number; cursor?: string }): Promise<MapList>;
-  /** Jobs of the registry, the newest first, at most 1000. */
+  /** List of jobs in the registry, newest first; at most 1000. */
   listJobs(options?: { limit?: number; cursor?: string }): Promise<JobList>;
   /** A job with its steps, attempts and log. */
   getJob(id: number): Promise<JobDetails>;
@@ -85,15 +85,15 @@ export declare class Client {
   getOverview(map: string): Promise<Overview>;
   /** The pose layer, for visualization. 404 with the code no_layer for maps without poses. */
   getPoses(map: string): Promise<PoseLayer>;
-  /** The named places, as the file that `waystone name MAP --from` reads. Names are given by that command, never by the server. */
+  /** The named places, in the format that `waystone name MAP --from` reads. Only that command assigns names; the server never does. */
   getNames(map: string): Promise<NamesFile>;
-  /** The floor plans, which `waystone plan` puts into the map. */
+  /** The floor plans, which `waystone plan` adds to the map. */
   getFloorPlans(map: string): Promise<FloorPlans>;
-  /** Image of a floor plan, as it was given. */
+  /** Image of a floor plan, as it was added. */
   getFloorPlanImage(map: string, options?: { name?: string }): Promise<Blob>;
-  /** Weak spots of the map. The first request takes seconds and counts as a query; others meanwhile get 429. */
+  /** Weak spots of the map. The first request takes seconds and counts as a query; further requests in the meantime get 429. */
   getAudit(map: string): Promise<Audit>;
-  /** The appearance layer, for visualization. 404 with the code no_layer for maps without one, as the following. */
+  /** The appearance layer, for visualization. This route and those below it return 404 with the code no_layer for maps without the layer. */
   getAppearance(map: string): Promise<Appearance>;
   /** List of panoramas with their poses. */
   listAppearanceNodes(map: string, options?: { limit?: number; cursor?: string }): Promise<AppearanceNodeList>;
@@ -105,7 +105,7 @@ export declare class Client {
   getSignature(map: string, id: number): Promise<Signature>;
   /** List of loop closures. */
   listLoops(map: string, options?: { limit?: number; cursor?: string }): Promise<LoopList>;
-  /** The orientation layer, for visualization. 404 with the code no_layer for maps without one, as the following. */
+  /** The orientation layer, for visualization. This route and those below it return 404 with the code no_layer for maps without the layer. */
   getOrientation(map: string): Promise<Orientation>;
   /** List of frames with the camera rotation relative to the Manhattan axes. */
   listOrientationFrames(map: string, options?: { limit?: number; cursor?: string }): Promise<OrientationFrameList>;
@@ -128,9 +128,9 @@ export interface Request {
   cy?: number;
   fov_deg?: number;
   camera?: string;
-  /** Checked, but used by no layer so far, and so always listed in unused. */
+  /** Validated, but not used by any layer so far, and therefore always listed in `unused`. */
   prior?: { keyframe: number };
-  /** Narrows a query of all maps (/v1/localize) of a server of a registry. */
+  /** Narrows down a query of all maps (/v1/localize) on a server with a registry. */
   hints?: { position?: { frame: string; x: number; y: number; z?: number; radius: number }; tags?: string[]; previous_map?: string };
   previous?: { keyframe?: number; heading_rad?: number; map_version?: string; belief?: Belief };
   /** For series of panoramas: the motion of each image since the previous image or answer, in map units (x forward, y left), or null. */
@@ -148,17 +148,17 @@ export interface Problem {
   title: string;
   status: number;
   detail: string;
-  /** Stable. Of status 503, which has Retry-After: not_ready, out_of_memory, and of servers of a registry registry_unavailable, store_unavailable, store_damaged (its file has other bytes than were published) and no_room (the bounds of memory or cache, or the disk, have no room for the map). */
+  /** Stable. Codes of status 503, which has Retry-After: not_ready, out_of_memory and, on servers with a registry, registry_unavailable, store_unavailable, store_damaged (the stored file differs from the published one) and no_room (the map does not fit within the limits of memory or cache, or on the disk). */
   code: string;
 }
 
 export interface Ready {
   ready: true;
-  /** Known by name. */
+  /** Number of maps known by name. */
   maps: number;
-  /** In memory; the others are opened when they are asked for. */
+  /** Number of maps in memory; the others are opened when they are requested. */
   open: number;
-  /** Only of servers of a registry. */
+  /** Only on servers with a registry. */
   registry?: { connected: boolean; silent_s: number; memory_bytes: number; cached_files: number; cached_bytes: number; jobs: boolean; coarse: { maps: number; places: number; bytes: number; without: number; waiting: number } };
 }
 
@@ -169,10 +169,10 @@ export interface Version {
 
 export type Id = number;
 
-/** The surface, such as a wall, that the plane is a part of: the lowest id of its planes. */
+/** The surface, such as a wall, that the plane is part of, as the lowest id of its planes. */
 export type SurfaceId = number;
 
-/** The id in `sequences` of the map; two sequences may have one name. */
+/** Id in `sequences` of the map; several sequences may have the same name. */
 export type SequenceId = number;
 
 export type Probability = number;
@@ -199,7 +199,7 @@ export interface KeyframeRef {
   time_s?: number | null;
 }
 
-/** The place of a localized image, whatever the layer: the nearest keyframe (planes) or panorama (appearance) with its source image, and position and heading of the query where known. */
+/** The place of a localized image, regardless of the layer: the nearest keyframe (planes) or panorama (appearance) with its source image, and the position and heading of the query if known. */
 export interface AnsweredPlace {
   layer: "planes" | "appearance";
   id: Id;
@@ -212,17 +212,17 @@ export interface AnsweredPlace {
   plan: null | PlanPosition;
 }
 
-/** Position of the query on a floor plan of the map, in pixels of its image from the upper left corner to the right and downwards; null without a position of the query, or where no plan shows it. */
+/** Position of the query on a floor plan of the map, in pixels of its image, rightwards and downwards from the upper left corner; null if the query has no position or no plan shows it. */
 export interface PlanPosition {
   name: string;
   x: number;
   y: number;
 }
 
-/** What people called the place (`waystone name`), null where they did not: the narrowest of the named places that hold it. */
+/** Name given to the place by `waystone name`, null if there is none. If several named places contain it, the narrowest one. */
 export type PlaceName = string | null;
 
-/** In the frame and units of the appearance layer; `deviation` along the worst direction. `metres_per_unit` is null where the scale is unknown. */
+/** In the frame and units of the appearance layer; `deviation` is the standard deviation along the worst direction. `metres_per_unit` is null if the scale is unknown. */
 export interface PlacePosition {
   x: number;
   y: number;
@@ -286,11 +286,11 @@ export interface RecognisedPlane {
   reference: ImageRef;
   reference_from_query: Matrix;
   outline: Outline;
-  /** Planes that were seen together with this one in the map, and are not recognised in this image: what a camera that moves on may show next. */
+  /** Planes that were seen together with this one in the map, but are not recognised in this image: what a moving camera may see next. */
   expect_next: Id[];
 }
 
-/** The query's matches with one keyframe, on planes and beside them, that fit one epipolar geometry. */
+/** The query's matches with one keyframe, on planes or not, that fit a single epipolar geometry. */
 export interface EpipolarMatches {
   keyframe: ImageRef;
   inliers: Count;
@@ -304,10 +304,10 @@ export interface Answer {
   map: string;
   map_version: string;
   place: null | AnsweredPlace;
-  /** The place where the plane layer answered, else null. */
+  /** The place if the plane layer answered, otherwise null. */
   keyframe: null | KeyframeRef;
   heading: null | Heading;
-  /** Only of maps with poses. Null where none is known; pose_reason says why. */
+  /** Only for maps with poses. Null if the pose is unknown; `pose_reason` says why. */
   pose?: null | Pose;
   pose_reason?: string;
   building?: BuildingView;
@@ -315,11 +315,11 @@ export interface Answer {
   epipolar?: EpipolarMatches;
   panorama?: PanoramaPlace;
   belief?: Belief;
-  /** If ambiguous: the keyframes of the places that match, of all maps. Panoramas have none; for several maps, `maps` has the place of each. */
+  /** If ambiguous: the keyframes of the matching places, of all maps. Panoramas have none; for several maps, `maps` has the place of each. */
   places?: Place[];
-  /** Of the plane layer: the place that comes second, or the best one if it was refused. Null without one. That of panoramas is in `panorama`. */
+  /** For the plane layer: the second-best place, or the best one if it was refused; null if there is none. For panoramas, it is in `panorama`. */
   runner_up: null | RunnerUp;
-  /** The test that decided the verdict. Of the plane layer: features, shortlist_votes, homography_inliers, epipolar_inliers, inlier_share, homography_scale, place_probability, ambiguous_places; of the appearance layer: panorama_signature, panorama_features, series, photo, photo_features; of the orientation layer: building_axes; of several maps: ambiguous_maps; before any layer: bad_image, image_too_large, deadline. docs/http-api.md says what each means. Later versions may have others. */
+  /** The test that decided the verdict. In the plane layer: features, shortlist_votes, homography_inliers, epipolar_inliers, inlier_share, homography_scale, place_probability, ambiguous_places; in the appearance layer: panorama_signature, panorama_features, series, photo, photo_features; in the orientation layer: building_axes; for several maps: ambiguous_maps; before any layer: bad_image, image_too_large, deadline. docs/http-api.md explains each of them. Later versions may add others. */
   decided_by: string;
   message?: string;
   timing_ms: Timing;
@@ -333,26 +333,26 @@ export interface Answer {
   camera?: QueryCamera;
   /** Fields of the request that no layer of this map uses. */
   unused?: ("camera" | "prior" | "previous" | "odometry")[];
-  /** If not all maps could be asked: those that the coarse index proposed, the likeliest first. Where all fit into memory but some could not be opened: all of them by name. */
+  /** If not all maps could be queried: those that the coarse index proposed, most likely first. If all fit into memory but some could not be opened: all of them, by name. */
   searched?: SearchedMap[];
-  /** With `searched`: one of these maps was not asked, so that another answer is possible. */
+  /** With `searched`: one of these maps was not queried, so a different answer is possible. */
   partial?: boolean;
-  /** With `searched`: how many maps are not in the coarse index and can not be proposed. */
+  /** With `searched`: number of maps that are not in the coarse index and cannot be proposed. */
   unindexed?: number;
 }
 
-/** A map that was to be asked in a query of all maps. */
+/** A map that was to be queried in a query of all maps. */
 export interface SearchedMap {
   map: string;
-  /** `late`: not opened or not answered by the deadline. `too_large`: beyond the memory that the server may use. */
+  /** `asked`: queried. `late`: not opened or no answer by the deadline. `too_large`: exceeds the memory that the server may use. */
   state: "asked" | "late" | "failed" | "too_large";
-  /** By how much features of the image speak for the map; comparable within one answer only. 0 for `previous_map` where the index does not propose it, and where all maps were to be asked. */
+  /** How strongly the features of the image support the map; comparable only within one answer. 0 for `previous_map` if the index does not propose it, and if all maps were to be queried. */
   score: number;
-  /** Why it was not asked. */
+  /** Why it was not queried. */
   message?: string;
 }
 
-/** The camera of the query in the frame of the poses that the map was built with. The camera has x right, y down, z forward; orientation is the quaternion x, y, z, w that turns its axes into those of the frame. The covariance is that of the position and of a small rotation about the axes of the frame, in the order of ROS: x, y, z, about x, about y, about z. `inliers` is 0 for a panorama that was localized by its appearance alone. `camera` says whose calibration was used; a panorama has its own. */
+/** Pose of the query camera in the frame of the poses that the map was built with. The camera has x right, y down, z forward; `orientation` is the quaternion x, y, z, w that rotates its axes into those of the frame. `covariance` is that of the position and of a small rotation about the axes of the frame, in the order of ROS: x, y, z, about x, about y, about z. `inliers` is 0 for a panorama that was localized by its appearance alone. `camera` says whose calibration was used; a panorama has its own. */
 export interface Pose {
   frame: string;
   unit: "metres" | "unknown";
@@ -372,12 +372,12 @@ export interface BuildingView {
   disagreement_rad: number | null;
 }
 
-/** Result of the appearance layer: the nearest node and the position if localized, else null, and the candidates. */
+/** Result of the appearance layer: the nearest node and the position (null unless localized), and the candidates. */
 export interface PanoramaPlace {
   node: null | NodeRef;
   position: null | PlacePosition;
   candidates: NodeCandidate[];
-  /** The most probable node elsewhere, null without one. */
+  /** The most probable node at another place; null if there is none. */
   runner_up: null | NodeCandidate;
 }
 
@@ -453,7 +453,7 @@ export interface Overview {
   edges: { a: number[]; b: number[]; third_eigenvalue: number[] };
 }
 
-/** Named places by the images that they were made of, so that they can be used on a map built again of the same images. */
+/** Named places, defined by their images, so that they can be reused on a map rebuilt from the same images. */
 export interface NamesFile {
   format: "waystone-names";
   format_version: "1";
@@ -469,7 +469,7 @@ export interface NamesFilePlace {
   polygons: NamedArea[];
 }
 
-/** Images of a sequence from the first to the last. `sequence_number` is that among the sequences of this name, 1 where it is missing. */
+/** Images of a sequence, from `first` to `last`. `sequence_number` is its number among the sequences of this name; 1 if missing. */
 export interface ImageRange {
   sequence: string;
   sequence_number?: number;
@@ -491,7 +491,7 @@ export interface PlaneInImage {
   at_px: [number, number];
 }
 
-/** A polygon seen from above. `right` and `top` are the unit vectors of the frame that its x and y are along; without them and `unit` it is in the frame of the appearance layer, called layer. */
+/** A polygon seen from above. `right` and `top` are the unit vectors, in the frame, of its x and y axes; without them and `unit`, it is in the frame of the appearance layer, called layer. */
 export interface NamedArea {
   frame: string;
   unit?: "metres" | "unknown";
@@ -500,7 +500,7 @@ export interface NamedArea {
   corners: [number, number][];
 }
 
-/** Floor plans of the map, ordered by name. `right` and `top` are the unit vectors of the frame that x and y are along; without them and `unit` it is the frame of the appearance layer, called layer. */
+/** Floor plans of the map, ordered by name. `right` and `top` are the unit vectors, in the frame, of the x and y axes; without them and `unit`, the frame is that of the appearance layer, called layer. */
 export interface FloorPlans {
   frame: string;
   unit?: "metres" | "unknown";
@@ -509,12 +509,12 @@ export interface FloorPlans {
   plans: FloorPlan[];
 }
 
-/** An image that the map is drawn on: px = `plan_from_frame` (x, y, 1), a rotation, a scale of `px_per_unit` and a translation. `residual` is the root mean square over the anchors, in the unit of the frame. `heights` are those of the positions that the plan shows, along right x top; null for all. */
+/** An image on which the map is drawn: px = `plan_from_frame` (x, y, 1), a rotation, a scale of `px_per_unit` and a translation. `residual` is the root mean square error of the anchors, in the unit of the frame. `heights` is the range of heights, along right x top, of the positions that the plan shows; null for all heights. */
 export interface FloorPlan {
   name: string;
-  /** Of the image, px. */
+  /** Width of the image, px. */
   width: number;
-  /** Of the image, px. */
+  /** Height of the image, px. */
   height: number;
   /** Path of the image. */
   image: string;
@@ -525,7 +525,7 @@ export interface FloorPlan {
   anchors: PlanAnchor[];
 }
 
-/** A pixel of the image and its position in the frame, to the right and to the top. */
+/** A pixel of the image and its position in the frame, along `right` and `top`. */
 export interface PlanAnchor {
   px: Pair;
   at: Pair;
@@ -533,7 +533,7 @@ export interface PlanAnchor {
 
 export type Pair = [number, number];
 
-/** Keyframes, panoramas (nodes of the appearance layer) and planes in the frame of the poses that the map was built with; lengths in its unit. `up` points upwards: the mean direction of the tops of the images, null where they differ too much. `noise` is that of the given poses on each axis, null where none was measured. */
+/** Keyframes, panoramas (nodes of the appearance layer) and planes in the frame of the poses that the map was built with; lengths are in its unit. `up` points upwards: the mean up direction of the images, null if they differ too much. `noise` is the noise of the given poses on each axis, null if it was not measured. */
 export interface PoseLayer {
   frame: string;
   unit: "metres" | "unknown";
@@ -544,14 +544,14 @@ export interface PoseLayer {
   planes: PosedPlane[];
 }
 
-/** Those with a pose in columns, by id. orientation is the quaternion x, y, z, w that turns the axes of the camera (x right, y down, z forward) into those of the frame. */
+/** Images with a pose, in columns, ordered by id. `orientation` is the quaternion x, y, z, w that rotates the axes of the camera (x right, y down, z forward) into those of the frame. */
 export interface PosedImages {
   id: Id[];
   position: Vector[];
   orientation: [number, number, number, number][];
 }
 
-/** Points X with normal . X = distance; the normal points away from the camera of the reference keyframe. `outline` is that of its features, such points in order around, but for those that the reference image shows too flatly. */
+/** The points X with normal . X = distance; the normal points away from the camera of the reference keyframe. `outline` encloses its features, except those that the reference image shows at too flat an angle; it consists of such points, in order around it. */
 export interface PosedPlane {
   id: Id;
   reference: Id;
@@ -560,7 +560,7 @@ export interface PosedPlane {
   outline: Vector[];
 }
 
-/** Positions in map units; headings counter-clockwise. */
+/** Positions are in map units; headings are counter-clockwise. */
 export interface Appearance {
   scale: "metric" | "arbitrary";
   metres_per_unit: number | null;
@@ -632,11 +632,11 @@ export interface Orientation {
   edges: OrientationEdge[];
   turns: Turn[];
   corridors: Corridor[];
-  /** Sequences taken by one camera that does not see all around, in which corridors can't be told from rooms. */
+  /** Sequences of a single camera that does not cover the full circle, in which corridors can't be distinguished from rooms. */
   corridors_unknown: Id[];
 }
 
-/** All frames in columns. x and y are the trajectory reconstructed from turns, with unit steps per frame along the Manhattan axes, starting at 0 in each sequence; lines are counts along the x, y and z axes. */
+/** All frames in columns. x and y are the trajectory reconstructed from turns, with one unit step per frame along the Manhattan axes, starting at 0 in each sequence; `lines_x`, `lines_y` and `lines_z` are the numbers of lines along each axis. */
 export interface OrientationColumns {
   id: number[];
   sequence: number[];
@@ -674,7 +674,7 @@ export interface Space {
   planes: PlaneInSpace[];
 }
 
-/** Points X with normal . X = distance; `outline` are such points, in order around. Planes that are not well determined have a trouble and null values. */
+/** The points X with normal . X = distance; `outline` consists of such points, in order around it. Planes that are not well determined have a `trouble` and null values. */
 export interface PlaneInSpace {
   id: Id;
   trouble: null | "no_parallax" | "ambiguous" | "uncertain";
@@ -691,7 +691,7 @@ export interface OrientationNode {
   kind: "turn" | "frame";
   heading_rad: number | null;
   corridor: null | Id;
-  /** Lines perpendicular to the direction of travel in the upper, right, lower and left cell of the image. */
+  /** Number of lines perpendicular to the direction of travel in the upper, right, lower and left cells of the image. */
   directions: [number, number, number, number];
   image: string | null;
 }
@@ -756,34 +756,34 @@ export interface Map {
   feature_type: string;
   keyframes: Count;
   planes: Count;
-  /** Surfaces that the planes are parts of. */
+  /** Number of surfaces that the planes are part of. */
   surfaces: number;
   edges: Count;
   features: Count;
-  /** Named places. */
+  /** Number of named places. */
   names: number;
-  /** Floor plans. */
+  /** Number of floor plans. */
   floor_plans: number;
   sequences: Sequence[];
   sessions: Session[];
-  /** Sequences that hang together, a list for each part of the map: from one part to another nothing leads. */
+  /** Connected sequences, one list per part of the map; nothing connects one part to another. */
   parts: Id[][];
 }
 
-/** What one build put into the map. A map that was never joined with another is one session. */
+/** What one build added to the map. A map that was never joined with another has one session. */
 export interface Session {
-  /** Of the map that was joined */
+  /** Name of the map that was joined, or of the walk that was added. */
   name: string;
   program: string;
-  /** Of that map's file; null for an added walk. */
+  /** Version of that map's file; null for an added walk. */
   version: string | null;
   sequences: Id[];
   keyframes: Count;
   panoramas: Count;
   orientation_frames: Count;
-  /** Time of the first image that the map holds of it. */
+  /** Time of its first image in the map. */
   from_s: number | null;
-  /** Time of the last one. */
+  /** Time of its last image in the map. */
   to_s: number | null;
 }
 
@@ -808,7 +808,7 @@ export interface MapList {
   next: Next;
 }
 
-/** UTC by the clock of the database, "2026-01-31T12:00:00.000Z"; null where it has not come. */
+/** UTC by the clock of the database, such as "2026-01-31T12:00:00.000Z"; null if it has not been reached. */
 export type Time = string | null;
 
 export interface JobWorker {
@@ -820,31 +820,31 @@ export interface JobWorker {
   stage: string | null;
 }
 
-/** plan looks at the sources, part builds some of their frames, join joins the parts and publishes the map. */
+/** `plan` inspects the sources, `part` builds some of their frames, `join` joins the parts and publishes the map. */
 export type StepKind = "plan" | "part" | "join";
 
 export interface Job {
   id: Id;
-  /** Of the map. */
+  /** Name of the map. */
   name: string;
   state: "queued" | "running" | "done" | "failed" | "cancelled";
-  /** Why it failed. */
+  /** Why the job failed. */
   reason: string | null;
-  /** That was published. */
+  /** Version that was published. */
   version: number | null;
   sources: string[];
-  /** Of waystone build. */
+  /** Options of `waystone build`. */
   options: string[];
   tags: string[];
-  /** Of all parts; frames of two parts count twice. Null before the sources were looked at. */
+  /** Frames of all parts; those in two parts count twice. Null until the sources have been inspected. */
   frames: number | null;
   frames_done: Count;
-  /** 0 before the sources were looked at. */
+  /** Number of parts; 0 until the sources have been inspected. */
   parts: number;
   parts_done: Count;
-  /** Of all steps, also those that did not fail. */
+  /** Attempts of all steps, including those that did not fail. */
   attempts: number;
-  /** That work on it. */
+  /** Workers that are working on the job. */
   workers: JobWorker[];
   created_at: Time;
   started_at: Time;
@@ -859,21 +859,21 @@ export interface JobList {
 export interface JobStep {
   number: Count;
   kind: StepKind;
-  /** waiting for the parts before it is queued. */
+  /** `waiting` until the parts are done, then `queued`. */
   state: "waiting" | "queued" | "leased" | "done";
-  /** Of a part. */
+  /** Number of frames of a part. */
   frames: number | null;
   frames_done: Count;
   stage: string | null;
-  /** Of this stage. */
+  /** Progress of this stage. */
   done: number;
-  /** 0 where it is not known. */
+  /** Total of this stage; 0 if unknown. */
   total: number;
   failures: Count;
   worker: string | null;
   heartbeat_at: Time;
   lease_until: Time;
-  /** Of the map in the store. */
+  /** SHA-256 of the map in the store. */
   sha256: string | null;
   bytes: number | null;
 }
@@ -881,7 +881,7 @@ export interface JobStep {
 export interface JobAttempt {
   step: Count;
   worker: string;
-  /** Null while it is under way. */
+  /** Null while the attempt is in progress. */
   outcome: "done" | "failed" | "released" | "expired" | "ended" | null;
   reason: string | null;
   started_at: Time;
@@ -896,26 +896,26 @@ export interface JobLogLine {
 
 export interface JobDetails {
   id: Id;
-  /** Of the map. */
+  /** Name of the map. */
   name: string;
   state: "queued" | "running" | "done" | "failed" | "cancelled";
-  /** Why it failed. */
+  /** Why the job failed. */
   reason: string | null;
-  /** That was published. */
+  /** Version that was published. */
   version: number | null;
   sources: string[];
-  /** Of waystone build. */
+  /** Options of `waystone build`. */
   options: string[];
   tags: string[];
-  /** Of all parts; frames of two parts count twice. Null before the sources were looked at. */
+  /** Frames of all parts; those in two parts count twice. Null until the sources have been inspected. */
   frames: number | null;
   frames_done: Count;
-  /** 0 before the sources were looked at. */
+  /** Number of parts; 0 until the sources have been inspected. */
   parts: number;
   parts_done: Count;
-  /** Of all steps, also those that did not fail. */
+  /** Attempts of all steps, including those that did not fail. */
   attempts: number;
-  /** That work on it. */
+  /** Workers that are working on the job. */
   workers: JobWorker[];
   created_at: Time;
   started_at: Time;
@@ -1009,7 +1009,7 @@ export interface Keyframe {
   height: Count;
   image: string | null;
   planes: SeenPlane[];
-  /** Features on no plane by which the keyframe can be recognized as well. */
+  /** Number of features on no plane by which the keyframe can also be recognised. */
   landmarks: number;
 }
 

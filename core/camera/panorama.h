@@ -17,9 +17,9 @@ struct ElevationBand {
   static constexpr auto Fields(const auto& use) {
     constexpr double kUp = std::numbers::pi / 2;
     return use(OptionField{"top_rad", &ElevationBand::top_rad, Closed(-kUp, kUp), "rad",
-                           "Upper end, above the lower one."},
+                           "Upper end of the band, above the lower one."},
                OptionField{"bottom_rad", &ElevationBand::bottom_rad, Closed(-kUp, kUp), "rad",
-                           "Lower end."});
+                           "Lower end of the band."});
   }
   bool operator==(const ElevationBand&) const = default;
 };
@@ -61,23 +61,24 @@ struct PanoramaOptions {
   static constexpr int kUnlistedMembers = 1;  // where the mirror is: what is known of one camera
   static constexpr auto Fields(const auto& use) {
     return use(
-        OptionField{
-            "columns", &PanoramaOptions::columns, Closed(16, 16'384), "",
-            "Columns of a panorama unwrapped from a mirror image or joined from faces. More keep "
-            "more detail; for a mirror image, more than 2 pi times its outer radius gain nothing."},
+        OptionField{"columns", &PanoramaOptions::columns, Closed(16, 16'384), "",
+                    "Number of columns of a panorama unwrapped from a mirror image or joined from "
+                    "faces. More columns preserve more detail; for a mirror image, more than 2 pi "
+                    "times its outer radius bring no gain."},
         OptionGroup{"mirror_band", &PanoramaOptions::mirror_band},
-        OptionField{"mirror_clockwise", &PanoramaOptions::mirror_clockwise, AnyValue(), "",
-                    "Whether azimuth grows clockwise in the mirror's image (a camera that looks up "
-                    "into it sees it counter-clockwise). The front is the image's upper side."},
+        OptionField{
+            "mirror_clockwise", &PanoramaOptions::mirror_clockwise, AnyValue(), "",
+            "Whether the azimuth increases clockwise in the mirror image (a camera that looks up "
+            "into the mirror sees it counter-clockwise). The front is at the top of the image."},
         OptionField{"max_seam", &PanoramaOptions::max_seam, Closed(1, 100), "",
-                    "Largest difference between the two sides of the seam, relative to the 98th "
+                    "Maximum difference between the two sides of the seam, relative to the 98th "
                     "percentile of the differences between neighbouring columns. Above it, the "
-                    "image counts as covering less than 360 degrees. Lower refuses panoramas whose "
-                    "seam runs along an edge."},
+                    "image counts as covering less than 360 degrees. Lower values refuse panoramas "
+                    "whose seam runs along an edge."},
         OptionField{"min_mirror_contrast", &PanoramaOptions::min_mirror_contrast, Closed(1, 100),
                     "grey levels",
-                    "Smallest brightness difference between the inside and the outside of a "
-                    "mirror's circle in its image."});
+                    "Minimum brightness difference between the inside and the outside of the "
+                    "mirror's circle in the image."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

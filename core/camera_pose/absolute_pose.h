@@ -35,23 +35,23 @@ struct AbsolutePoseOptions {
 
   static constexpr auto Fields(const auto& use) {
     using Self = AbsolutePoseOptions;
-    return use(
-        OptionField{"max_sigmas", &Self::max_sigmas, Closed(1, 20), "",
-                    "Largest error of a match that supports a pose, in its standard deviations. "
-                    "Less for one whose point is uncertain.",
-                    OptionUse::kInternal},
-        OptionField{"min_inliers", &Self::min_inliers, AtLeast(4), "",
-                    "Matches with distinct features of the query that a pose needs. Higher gives "
-                    "fewer and surer poses."},
-        OptionField{"max_samples", &Self::max_samples, Closed(1, 100'000), "",
-                    "Samples of three matches at most; bounds the time.", OptionUse::kInternal},
-        OptionField{"confidence", &Self::confidence, Open(0, 1), "",
-                    "Probability that one sample at least is made of right matches alone.",
-                    OptionUse::kInternal},
-        OptionField{"max_steps", &Self::max_steps, Closed(1, 1000), "", "Steps of the refinement.",
-                    OptionUse::kInternal},
-        OptionField{"seed", &Self::seed, AnyValue(), "", "Of the random samples.",
-                    OptionUse::kInternal});
+    return use(OptionField{"max_sigmas", &Self::max_sigmas, Closed(1, 20), "",
+                           "Maximum error of a match that supports a pose, in its standard "
+                           "deviations; less for a match whose point is uncertain.",
+                           OptionUse::kInternal},
+               OptionField{"min_inliers", &Self::min_inliers, AtLeast(4), "",
+                           "Minimum number of matches with distinct features of the query for a "
+                           "pose. Higher values give fewer, more certain poses."},
+               OptionField{"max_samples", &Self::max_samples, Closed(1, 100'000), "",
+                           "Maximum number of samples of three matches; bounds the running time.",
+                           OptionUse::kInternal},
+               OptionField{"confidence", &Self::confidence, Open(0, 1), "",
+                           "Probability that at least one sample consists of inliers only.",
+                           OptionUse::kInternal},
+               OptionField{"max_steps", &Self::max_steps, Closed(1, 1000), "",
+                           "Number of refinement steps.", OptionUse::kInternal},
+               OptionField{"seed", &Self::seed, AnyValue(), "", "Random seed of the samples.",
+                           OptionUse::kInternal});
   }
 };
 

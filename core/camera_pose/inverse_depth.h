@@ -25,24 +25,24 @@ struct DepthOptions {
 
   static constexpr auto Fields(const auto& use) {
     using Self = DepthOptions;
-    return use(
-        OptionField{"max_sigmas", &Self::max_sigmas, Closed(1, 20), "",
-                    "Largest error of a sighting that agrees with a depth, in its standard "
-                    "deviations. Higher tolerates less accurate poses.",
-                    OptionUse::kInternal},
-        OptionField{"min_sightings", &Self::min_sightings, AtLeast(1), "",
-                    "Keyframes beside its own that must agree on a feature's depth.",
-                    OptionUse::kInternal},
-        OptionField{"min_inlier_share", &Self::min_inlier_share, Closed(0, 1), "",
-                    "Smallest share of a feature's sightings that agree on its depth.",
-                    OptionUse::kInternal},
-        OptionField{"max_relative_sigma", &Self::max_relative_sigma, OpenLow(0, 1), "",
-                    "Largest standard deviation of a depth that is kept, as a share of it.",
-                    OptionUse::kInternal},
-        OptionField{"prior_sightings", &Self::prior_sightings, Closed(0, 100), "",
-                    "Sightings' worth of the expected noise that a feature's own residuals are "
-                    "averaged with.",
-                    OptionUse::kInternal});
+    return use(OptionField{"max_sigmas", &Self::max_sigmas, Closed(1, 20), "",
+                           "Maximum error of a sighting that agrees with a depth, in its standard "
+                           "deviations. Higher values tolerate less accurate poses.",
+                           OptionUse::kInternal},
+               OptionField{"min_sightings", &Self::min_sightings, AtLeast(1), "",
+                           "Minimum number of keyframes, in addition to its own, that must agree "
+                           "on a feature's depth.",
+                           OptionUse::kInternal},
+               OptionField{"min_inlier_share", &Self::min_inlier_share, Closed(0, 1), "",
+                           "Minimum share of a feature's sightings that must agree on its depth.",
+                           OptionUse::kInternal},
+               OptionField{"max_relative_sigma", &Self::max_relative_sigma, OpenLow(0, 1), "",
+                           "Maximum standard deviation of a depth, as a share of the depth.",
+                           OptionUse::kInternal},
+               OptionField{"prior_sightings", &Self::prior_sightings, Closed(0, 100), "",
+                           "Weight of the expected noise, in sightings, with which a feature's own "
+                           "residuals are averaged.",
+                           OptionUse::kInternal});
   }
 };
 

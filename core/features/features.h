@@ -113,17 +113,17 @@ struct FeatureOptions {
         OptionField{"type", &FeatureOptions::type, AnyValue(), "",
                     "Detector and descriptor: sift, orb or akaze."},
         OptionField{"max_features", &FeatureOptions::max_features, Closed(50, 20'000), "",
-                    "Maximum features per image, strongest first. More recognise more, and cost "
-                    "time and map size."},
+                    "Maximum number of features per image, strongest first. More features improve "
+                    "recognition, at the cost of time and map size."},
         OptionField{"contrast_threshold", &FeatureOptions::contrast_threshold, Open(0, 1), "",
-                    "SIFT: lowest contrast of a keypoint, in OpenCV's scale; in an image of little "
-                    "contrast it is lowered alike. Lower finds more on plain walls, and takes "
-                    "longer."},
+                    "SIFT: minimum contrast of a keypoint, on OpenCV's scale; lowered "
+                    "proportionally in images with little contrast. Lower values find more "
+                    "features on plain walls, but take longer."},
         OptionField{"working_pixels", &FeatureOptions::working_pixels, Closed(10'000, 50'000'000),
                     "",
-                    "Larger images are reduced to this many pixels before detection, which bounds "
-                    "time and memory: SIFT takes about 240 bytes per pixel. Maps are in pixels of "
-                    "the reduced images."});
+                    "Larger images are downscaled to this many pixels before detection, which "
+                    "bounds time and memory: SIFT takes about 240 bytes per pixel. Coordinates in "
+                    "the map are pixels of the downscaled images."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

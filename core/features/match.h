@@ -24,13 +24,12 @@ struct MatchOptions {
   bool mutual = true;
 
   static constexpr auto Fields(const auto& use) {
-    return use(
-        OptionField{"max_ratio", &MatchOptions::max_ratio, OpenLow(0, 1), "",
-                    "Largest ratio of the nearest to the second nearest distance (Lowe's ratio; "
-                    "Euclidean distances for SIFT, Hamming distances for the others). Higher finds "
-                    "more matches, and more wrong ones."},
-        OptionField{"mutual", &MatchOptions::mutual, AnyValue(), "",
-                    "Keep a match only if each is the other's nearest."});
+    return use(OptionField{"max_ratio", &MatchOptions::max_ratio, OpenLow(0, 1), "",
+                           "Maximum ratio of the nearest to the second-nearest distance (Lowe's "
+                           "ratio test; Euclidean distances for SIFT, Hamming distances for the "
+                           "others). Higher values find more matches, but also more wrong ones."},
+               OptionField{"mutual", &MatchOptions::mutual, AnyValue(), "",
+                           "Keep a match only if each feature is the other's nearest neighbour."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -42,8 +42,8 @@ struct LocalRansacOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"max_error_px", &LocalRansacOptions::max_error_px, Above(0), "px",
-                    "Largest transfer error of an inlier. Higher merges planes that are nearly "
-                    "parallel; lower splits walls that are not quite flat."},
+                    "Maximum transfer error of an inlier. Higher values merge planes that are "
+                    "nearly parallel; lower values split walls that are not quite flat."},
         OptionField{"max_sigmas", &LocalRansacOptions::max_sigmas, Above(1), "",
                     "The error bound is tightened to this many standard deviations of the plane's "
                     "own inliers, which separates planes in sharp images."},
@@ -51,24 +51,24 @@ struct LocalRansacOptions {
                     "The error bound is not tightened below this."},
         OptionField{"confidence", &LocalRansacOptions::confidence, Open(0, 1), "",
                     "p of eq. (1): probability that at least one sample consists of inliers only."},
-        OptionField{"max_samples", &LocalRansacOptions::max_samples, Closed(1, 100'000), "",
-                    "Maximum number of samples, however low the inlier ratio. Bounds the time."},
         OptionField{
-            "neighbourhood", &LocalRansacOptions::neighbourhood, AtLeast(3), "",
-            "The three companions of a sampled point are drawn among this many nearest "
-            "neighbours: closer points are likelier to be coplanar, farther ones determine the "
-            "homography better."},
+            "max_samples", &LocalRansacOptions::max_samples, Closed(1, 100'000), "",
+            "Maximum number of samples, however low the inlier ratio; bounds the running time."},
+        OptionField{"neighbourhood", &LocalRansacOptions::neighbourhood, AtLeast(3), "",
+                    "The three companions of a sampled point are drawn from this many nearest "
+                    "neighbours: closer points are more likely to be coplanar, while more distant "
+                    "ones determine the homography better."},
         OptionField{"min_height_ratio", &LocalRansacOptions::min_height_ratio, OpenHigh(0, 0.5), "",
                     "Height of a triangle of sampled points, as a share of its longest side, below "
                     "which the points count as collinear."},
         OptionField{"max_refits", &LocalRansacOptions::max_refits, Closed(0, 1000), "",
-                    "Maximum refits of a promising sample on its inliers."},
+                    "Maximum number of times a promising sample is refitted to its inliers."},
         OptionField{"wide_refits", &LocalRansacOptions::wide_refits, Closed(0, 1000), "",
-                    "Number of first refits that accept matches up to twice the error bound."},
+                    "Number of initial refits that accept matches up to twice the error bound."},
         OptionField{
             "min_refit_share", &LocalRansacOptions::min_refit_share, Closed(0, 1), "",
-            "A sample is refitted if it scores at least this share of the best so far. Lower "
-            "finds larger planes behind poor samples and costs time."});
+            "A sample is refitted if its score is at least this share of the best one so far. "
+            "Lower values find larger planes from poor samples, at the cost of time."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

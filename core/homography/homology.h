@@ -24,18 +24,19 @@ struct HomologyOptions {
 
   static constexpr auto Fields(const auto& use) {
     return use(
-        OptionField{
-            "max_sigmas", &HomologyOptions::max_sigmas, Above(0), "",
-            "Number of standard deviations by which an eigenvalue may differ from 1 and still "
-            "count as 1. Higher accepts more false planes, lower rejects more true ones."},
-        OptionField{
-            "independent", &HomologyOptions::independent, AtLeast(5), "",
-            "Matches of a plane that count as independent measurements. Errors that "
-            "neighbours share (of the lens, of an uneven wall) don't average out over more. "
-            "Fewer accept more planes, true and false ones."},
+        OptionField{"max_sigmas", &HomologyOptions::max_sigmas, Above(0), "",
+                    "Number of standard deviations by which an eigenvalue may differ from 1 and "
+                    "still count as 1. Higher values accept more false planes; lower values reject "
+                    "more true ones."},
+        OptionField{"independent", &HomologyOptions::independent, AtLeast(5), "",
+                    "Number of matches of a plane that count as independent measurements: errors "
+                    "shared by neighbours (lens distortion, uneven walls) don't average out over "
+                    "more. Lower values accept more planes, both true and false ones."},
         OptionField{"draws", &HomologyOptions::draws, Closed(10, 10'000), "",
-                    "Samples from which the standard deviations of the eigenvalues are estimated."},
-        OptionField{"seed", &HomologyOptions::seed, AnyValue(), "", "Seed of these samples."});
+                    "Number of samples from which the standard deviations of the eigenvalues are "
+                    "estimated."},
+        OptionField{"seed", &HomologyOptions::seed, AnyValue(), "",
+                    "Random seed of these samples."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -32,26 +32,24 @@ struct SpaceOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"point_sigma", &SpaceOptions::point_sigma, Closed(1e-5, 0.1), "",
-                    "Standard deviation of a coordinate of a point in a view, image plane z = 1. "
-                    "Higher trusts small motions less."},
-        OptionField{
-            "seeds", &SpaceOptions::seeds, Closed(1, 1000), "",
-            "Sightings, those with most parallax, whose decompositions are tried. More find "
-            "the common motion among more homographies that are wrong."},
+                    "Standard deviation of a coordinate of a point in a view, in the image plane z "
+                    "= 1. Higher values trust small motions less."},
+        OptionField{"seeds", &SpaceOptions::seeds, Closed(1, 1000), "",
+                    "Number of sightings, those with the most parallax, whose decompositions are "
+                    "tried. More sightings find the common motion among more wrong homographies."},
         OptionField{"max_steps", &SpaceOptions::max_steps, Closed(1, 1000), "",
-                    "Steps of the refinement."},
-        OptionField{
-            "rival_sigmas", &SpaceOptions::rival_sigmas, Closed(0, 100), "",
-            "A solution whose error is within this many sigmas of the best one's leaves the "
-            "choice open. Higher calls more planes ambiguous."},
+                    "Number of refinement steps."},
+        OptionField{"rival_sigmas", &SpaceOptions::rival_sigmas, Closed(0, 100), "",
+                    "A solution whose error is within this many sigmas of the best one's leaves "
+                    "the choice open. Higher values make more planes ambiguous."},
         OptionField{"rival_angle_rad", &SpaceOptions::rival_angle_rad, Closed(0.01, 1.5), "rad",
-                    "Normals of two solutions that differ by more are two answers."},
-        OptionField{"max_normal_sigma_rad", &SpaceOptions::max_normal_sigma_rad, Closed(0.001, 1),
-                    "rad",
-                    "Largest standard deviation of a plane's normal that is called determined."},
+                    "Two solutions whose normals differ by more than this count as different."},
+        OptionField{
+            "max_normal_sigma_rad", &SpaceOptions::max_normal_sigma_rad, Closed(0.001, 1), "rad",
+            "Maximum standard deviation of the normal of a plane that counts as determined."},
         OptionField{"max_distance_sigma", &SpaceOptions::max_distance_sigma, Closed(0.001, 1), "",
-                    "Largest standard deviation of a plane's distance, as a share of it, that is "
-                    "called determined."});
+                    "Maximum standard deviation of the distance of a plane that counts as "
+                    "determined, as a share of the distance."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

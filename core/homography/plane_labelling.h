@@ -28,30 +28,30 @@ struct LabellingOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"min_sigmas", &LabellingOptions::min_sigmas, Above(0), "",
-                    "Smallest error bound of a plane, in standard deviations of its own noise."},
+                    "Minimum error bound of a plane, in standard deviations of its own noise."},
         OptionField{"max_sigmas", &LabellingOptions::max_sigmas, Closed(1, 1000), "",
-                    "Largest error bound of a plane, used where few matches belong to no plane. "
-                    "Lens distortion and uneven surfaces give errors of true matches long tails, "
-                    "but near other objects a wide bound accepts their matches too."},
+                    "Maximum error bound of a plane, used where few matches belong to no plane. "
+                    "Lens distortion and uneven surfaces give the errors of true matches long "
+                    "tails, but near other objects a wide bound accepts their matches, too."},
         OptionField{"min_sigma_px", &LabellingOptions::min_sigma_px, Above(0), "px",
-                    "Smallest noise of a plane."},
+                    "Minimum noise of a plane."},
         OptionField{"max_sigma_px", &LabellingOptions::max_sigma_px, Above(0), "px",
-                    "Largest noise of a plane."},
+                    "Maximum noise of a plane."},
         OptionField{"tail", &LabellingOptions::tail, Above(0), "",
-                    "Degrees of freedom of Student's distribution of the errors. Lower has longer "
-                    "tails."},
+                    "Degrees of freedom of Student's t-distribution of the errors. Lower values "
+                    "give longer tails."},
         OptionField{"outlier_cost", &LabellingOptions::outlier_cost, AnyValue(), "",
-                    "Cost of a match that belongs to no plane: minus the logarithm of its "
-                    "likelihood per px^2. Higher assigns more distant matches to planes."},
+                    "Cost of a match that belongs to no plane: the negative logarithm of its "
+                    "likelihood per px^2. Higher values assign more distant matches to planes."},
         OptionField{"plane_cost", &LabellingOptions::plane_cost, AtLeast(0), "",
-                    "Cost of a plane, in the same units. Higher finds fewer and larger planes."},
-        OptionField{
-            "smoothness", &LabellingOptions::smoothness, AtLeast(0), "",
-            "Cost of a match whose companions all belong to other planes. Higher smooths more."},
+                    "Cost of a plane, in the same units. Higher values find fewer, larger planes."},
+        OptionField{"smoothness", &LabellingOptions::smoothness, AtLeast(0), "",
+                    "Cost of a match whose companions all belong to other planes. Higher values "
+                    "smooth more."},
         OptionField{"companions", &LabellingOptions::companions, AtLeast(1), "",
-                    "Nearest matches that count as the companions of a match."},
+                    "Number of nearest matches that count as the companions of a match."},
         OptionField{"rounds", &LabellingOptions::rounds, Closed(1, 1000), "",
-                    "Rounds of labelling and refitting."});
+                    "Number of rounds of labelling and refitting."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

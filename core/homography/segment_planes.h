@@ -26,18 +26,19 @@ struct SegmentationOptions {
         OptionGroup{"labelling", &SegmentationOptions::labelling},
         OptionGroup{"homology", &SegmentationOptions::homology},
         OptionField{"min_inliers", &SegmentationOptions::min_inliers, AtLeast(5), "",
-                    "Minimum matches of a plane. Lower finds smaller planes, and more that are not "
-                    "planes."},
+                    "Minimum number of matches of a plane. Lower values find smaller planes, but "
+                    "also more that are not planes."},
         OptionField{"max_planes", &SegmentationOptions::max_planes, AtLeast(1), "",
                     "Maximum number of new planes per pair of images."},
+        OptionField{"patch", &SegmentationOptions::patch, AtLeast(5), "",
+                    "Number of neighbouring matches from which a plane is proposed, in addition to "
+                    "a half and a quarter of that number. Lower values find smaller planes; higher "
+                    "values determine them better."},
         OptionField{
-            "patch", &SegmentationOptions::patch, AtLeast(5), "",
-            "Neighbouring matches from which a plane is proposed, beside a half and a quarter "
-            "of them. Fewer find smaller planes; more determine them better."},
-        OptionField{"greedy", &SegmentationOptions::greedy, AnyValue(), "",
-                    "Extract planes one after the other, each with all matches that support it, as "
-                    "in the paper, instead of labelling all matches anew with each plane.",
-                    OptionUse::kInternal});
+            "greedy", &SegmentationOptions::greedy, AnyValue(), "",
+            "Whether to extract planes one after the other, each with all matches that support it, "
+            "as in the paper, instead of relabelling all matches for each plane.",
+            OptionUse::kInternal});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

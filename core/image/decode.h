@@ -35,28 +35,26 @@ struct DecodeLimits {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"max_pixels", &DecodeLimits::max_pixels, Closed(1, 1 << 30), "",
-                    "Pixels of the largest image that is decoded. 8-bit grey: as many bytes. More "
-                    "admits larger photos and larger attacks: decoding 50 megapixels takes half a "
-                    "second."},
+                    "Maximum number of pixels of an image that is decoded; 8-bit grey takes as "
+                    "many bytes. Higher values admit larger photos, but also larger attacks: "
+                    "decoding 50 megapixels takes half a second."},
         OptionField{"max_scans", &DecodeLimits::max_scans, Closed(1, 10'000), "",
-                    "Scans of a progressive JPEG: each costs a pass over the whole image. Encoders "
-                    "write about 10."},
+                    "Maximum number of scans of a progressive JPEG: each costs a pass over the "
+                    "whole image. Encoders write about 10."},
         OptionField{"max_scan_pixels", &DecodeLimits::max_scan_pixels, AtLeast(1), "",
-                    "Scans times pixels of a progressive JPEG, which its time grows with: about "
-                    "a second for a billion."},
-        OptionField{
-            "max_decode_bytes", &DecodeLimits::max_decode_bytes, AtLeast(1), "bytes",
-            "Memory of a progressive JPEG while it is decoded: two bytes for each "
-            "coefficient, so 192 MB for 48 megapixels of halved chroma, and the image. Of a "
-            "HEIC: its largest tile three times over, and the image. Of a lossless WebP: 9 bytes "
-            "for each pixel, and 13 KB for each group of codes."},
+                    "Maximum product of scans and pixels of a progressive JPEG, to which decoding "
+                    "time is proportional: about a second for a billion."},
+        OptionField{"max_decode_bytes", &DecodeLimits::max_decode_bytes, AtLeast(1), "bytes",
+                    "Maximum memory for decoding an image. For a progressive JPEG: two bytes per "
+                    "coefficient, so 192 MB for 48 megapixels with halved chroma, plus the image. "
+                    "For a HEIC: three times its largest tile, plus the image. For a lossless "
+                    "WebP: 9 bytes per pixel, plus 13 KB per group of codes."},
         OptionField{"max_inflated_bytes", &DecodeLimits::max_inflated_bytes, AtLeast(1), "bytes",
-                    "Pixels of a PNG as they are stored, which its time grows with: about 10 ns "
-                    "each. 50 megapixels of 24 bits have 150 MB."},
-        OptionField{
-            "max_hevc_bytes", &DecodeLimits::max_hevc_bytes, AtLeast(1), "bytes",
-            "Coded pictures of a HEIC, which its time grows with: 0.3 s for 12 megapixels in "
-            "0.5 MB, 0.2 s for 2 megapixels in 1.1 MB."});
+                    "Maximum size of a PNG's uncompressed pixels, to which decoding time is "
+                    "proportional: about 10 ns per pixel. 50 megapixels of 24 bits take 150 MB."},
+        OptionField{"max_hevc_bytes", &DecodeLimits::max_hevc_bytes, AtLeast(1), "bytes",
+                    "Maximum size of a HEIC's coded images, with which decoding time grows: 0.3 s "
+                    "for 12 megapixels in 0.5 MB, 0.2 s for 2 megapixels in 1.1 MB."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -26,20 +26,22 @@ struct GraphFilterOptions {
                     "Standard deviation of an image's position around the predicted place, in the "
                     "poses' units, in addition to share_of_trajectory. At least the distance "
                     "between nodes, since a robot is rarely at a node."},
-        OptionField{"share_of_trajectory", &GraphFilterOptions::share_of_trajectory, Closed(0, 1),
-                    "", "The same per unit of trajectory that the odometry reports."},
         OptionField{
-            "step_sigma", &GraphFilterOptions::step_sigma, Closed(1e-9, 1e9), "",
-            "Standard deviation of the distance that a robot moves between two images, without "
-            "odometry. Higher follows faster robots; lower resolves ambiguities sooner."},
+            "share_of_trajectory", &GraphFilterOptions::share_of_trajectory, Closed(0, 1), "",
+            "The same as position_sigma, per unit of trajectory that the odometry reports."},
+        OptionField{"step_sigma", &GraphFilterOptions::step_sigma, Closed(1e-9, 1e9), "",
+                    "Standard deviation of the distance that a robot moves between two images, "
+                    "without odometry. Higher values follow faster robots; lower values resolve "
+                    "ambiguities sooner."},
         OptionField{"turn_sigma_rad", &GraphFilterOptions::turn_sigma_rad, Closed(0.001, 3), "rad",
                     "Standard deviation of a turn that the odometry reports."},
-        OptionField{"kidnapped", &GraphFilterOptions::kidnapped, Closed(1e-9, 0.5), "",
-                    "Probability that the robot was carried elsewhere between two images. Higher "
-                    "recovers sooner from an error; lower keeps what is known longer."},
+        OptionField{
+            "kidnapped", &GraphFilterOptions::kidnapped, Closed(1e-9, 0.5), "",
+            "Probability that the robot was carried elsewhere between two images. Higher values "
+            "recover sooner from an error; lower values retain what is known for longer."},
         OptionField{"max_beliefs", &GraphFilterOptions::max_beliefs, Closed(1, 10'000), "",
-                    "Beliefs kept in a state. Fewer make states smaller and updates faster, and "
-                    "lose places that were unlikely at first."});
+                    "Maximum number of beliefs kept in a state. Lower values make states smaller "
+                    "and updates faster, but lose places that were unlikely at first."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -30,12 +30,12 @@ struct GreatCircleOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"end_sigma_px", &GreatCircleOptions::end_sigma_px, Closed(0.05, 5), "px",
-                    "Standard deviation of a segment's end point across the segment. Higher trusts "
-                    "short segments less."},
+                    "Standard deviation of a segment's end point, perpendicular to the segment. "
+                    "Higher values trust short segments less."},
         OptionField{
             "max_sag_px", &GreatCircleOptions::max_sag_px, Closed(0.1, 20), "px",
-            "Largest distance between a segment's middle and the great circle of its ends. A "
-            "segment that is straight in a distorted image is not straight in the world."});
+            "Maximum distance between a segment's midpoint and the great circle through its ends. "
+            "A segment that is straight in a distorted image is not straight in the world."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -31,45 +31,45 @@ struct ManhattanOptions {
 
   static constexpr auto Fields(const auto& use) {
     return use(
-        OptionField{
-            "max_pairs", &ManhattanOptions::max_pairs, Closed(10, 100'000), "",
-            "Pairs of lines whose common direction is tried. If there are more, pairs are drawn "
-            "with probabilities by length. More find weaker frames; time grows in proportion."},
+        OptionField{"max_pairs", &ManhattanOptions::max_pairs, Closed(10, 100'000), "",
+                    "Number of pairs of lines whose common direction is tried. If there are more, "
+                    "pairs are drawn with a probability that depends on their lengths. More pairs "
+                    "find weaker frames; time grows linearly."},
         OptionField{"max_lines", &ManhattanOptions::max_lines, Closed(10, 10'000), "",
-                    "Maximum number of lines used, longest first. Bounds the time."},
+                    "Maximum number of lines used, longest first; bounds the running time."},
         OptionField{"line_sigma_rad", &ManhattanOptions::line_sigma_rad, Closed(1e-4, 0.1), "rad",
                     "Standard deviation of the angle between a line of the building and its axis, "
-                    "including calibration errors. Higher tolerates inaccurate walls and poor "
-                    "calibration, and accepts more lines that belong to no axis."},
+                    "including calibration errors. Higher values tolerate inaccurate walls and "
+                    "poor calibration, but accept more lines that belong to no axis."},
         OptionField{"axis_sigma_rad", &ManhattanOptions::axis_sigma_rad, Closed(0, 0.1), "rad",
                     "Standard deviation of an axis as a whole, shared by all its lines: "
                     "calibration, distortion, and walls that are not quite perpendicular. Higher "
-                    "weights the axes more equally and reports a larger covariance."},
+                    "values weight the axes more equally and report a larger covariance."},
         OptionField{"max_sigmas", &ManhattanOptions::max_sigmas, Closed(1, 10), "",
-                    "Largest deviation of a line from its axis, in standard deviations. Also the "
+                    "Maximum deviation of a line from its axis, in standard deviations. Also the "
                     "scale of the final refinement's robust kernel."},
         OptionField{"vote_bin_rad", &ManhattanOptions::vote_bin_rad, Closed(0.001, 0.1), "rad",
                     "Width of the voting bins for directions perpendicular to the first one."},
         OptionField{"refined_frames", &ManhattanOptions::refined_frames, Closed(1, 100), "",
-                    "Number of frames with the most votes that are refined."},
+                    "Number of candidate frames, those with the most votes, that are refined."},
         OptionField{"max_steps", &ManhattanOptions::max_steps, Closed(1, 100), "",
-                    "Maximum refinement steps per frame."},
-        OptionField{"seed", &ManhattanOptions::seed, AnyValue(), "", "Seed of the drawn pairs."},
+                    "Maximum number of refinement steps per frame."},
+        OptionField{"seed", &ManhattanOptions::seed, AnyValue(), "",
+                    "Random seed of the drawn pairs."},
         OptionField{"min_second_lines", &ManhattanOptions::min_second_lines, Closed(1, 100), "",
-                    "Lines that the second-best axis of a reliable frame requires, since a frame "
-                    "is determined by two directions."},
-        OptionField{
-            "min_support", &ManhattanOptions::min_support, Closed(0, 1), "",
-            "Share of the lines' total length that the axes of a reliable frame must explain."},
-        OptionField{
-            "max_sigma_rad", &ManhattanOptions::max_sigma_rad, Closed(1e-4, 1), "rad",
-            "Largest standard deviation of a reliable frame's rotation about its worst-known "
-            "direction."},
+                    "Minimum number of lines of the second-best axis of a reliable frame, since a "
+                    "frame is determined by two directions."},
+        OptionField{"min_support", &ManhattanOptions::min_support, Closed(0, 1), "",
+                    "Minimum share of the lines' total length that the axes of a reliable frame "
+                    "must explain."},
+        OptionField{"max_sigma_rad", &ManhattanOptions::max_sigma_rad, Closed(1e-4, 1), "rad",
+                    "Maximum standard deviation of a reliable frame's rotation about its "
+                    "worst-known direction."},
         OptionField{"max_rival", &ManhattanOptions::max_rival, Closed(0, 1), "",
-                    "Largest support of a reliable frame's rival (another frame, rotated by more "
+                    "Maximum support of a reliable frame's rival (another frame, rotated by more "
                     "than rival_angle_rad), as a share of its own."},
         OptionField{"rival_angle_rad", &ManhattanOptions::rival_angle_rad, Closed(0.01, 0.7), "rad",
-                    "Smallest rotation between a frame and a rival."});
+                    "Minimum rotation between a frame and its rival."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

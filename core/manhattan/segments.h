@@ -45,23 +45,24 @@ struct SegmentOptions {
     return use(
         OptionField{"detector", &SegmentOptions::detector, AnyValue(), "",
                     "Line segment detector: edge_drawing, canny or lsd."},
-        OptionField{"min_length", &SegmentOptions::min_length, Closed(0.005, 0.5), "",
-                    "Shortest segment used, as a share of the image's longer side. Short segments "
-                    "are numerous and have arbitrary directions; long ones may be too few."},
+        OptionField{
+            "min_length", &SegmentOptions::min_length, Closed(0.005, 0.5), "",
+            "Minimum length of a segment, as a share of the image's longer side. Short segments "
+            "are numerous and have arbitrary directions; long ones may be too few."},
         OptionField{"blur_px", &SegmentOptions::blur_px, Closed(0.3, 5), "px",
                     "Standard deviation of the blur before edge detection (edge drawing and "
-                    "Canny). Higher finds fewer, more stable edges."},
+                    "Canny). Higher values find fewer, more stable edges."},
         OptionField{"min_gradient", &SegmentOptions::min_gradient, Closed(1, 255), "",
-                    "Smallest gradient of an edge pixel, in grey levels per pixel. Lower finds "
-                    "fainter lines and more noise. LSD has its own."},
+                    "Minimum gradient of an edge pixel, in grey levels per pixel. Lower values "
+                    "find fainter lines, but also more noise. LSD has its own threshold."},
         OptionField{"max_bend_px", &SegmentOptions::max_bend_px, Closed(0.3, 5), "px",
-                    "Largest distance of a chain of edge pixels from its straight line. Higher "
-                    "accepts slightly curved edges."},
+                    "Maximum distance of a chain of edge pixels from its straight line. Higher "
+                    "values accept slightly curved edges."},
         OptionField{"refine", &SegmentOptions::refine, AnyValue(), "",
-                    "Refit each segment to the steepest gradient with sub-pixel precision. Costs "
-                    "about a tenth of the detection."},
+                    "Whether to refit each segment to the steepest gradient with sub-pixel "
+                    "precision. Costs about a tenth of the detection time."},
         OptionField{"refine_reach_px", &SegmentOptions::refine_reach_px, Closed(1, 5), "px",
-                    "Distance to either side within which the steepest gradient is searched."});
+                    "Distance to either side within which the steepest gradient is searched for."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -40,20 +40,21 @@ struct SignatureOptions {
   static constexpr auto Fields(const auto& use) {
     using O = SignatureOptions;
     return use(
-        OptionField{
-            "rows", &O::rows, Closed(2, 1024), "rows",
-            "Rows of the signature, spread evenly over the band. More resolve elevations better, "
-            "and cost time and map size: a signature takes 2 rows (k1 + k2) bytes."},
+        OptionField{"rows", &O::rows, Closed(2, 1024), "rows",
+                    "Number of rows of the signature, spread evenly over the band. More rows "
+                    "resolve elevations better, at the cost of time and map size: a signature "
+                    "takes 2 rows (k1 + k2) bytes."},
         OptionField{"k1", &O::k1, Closed(2, 4096), "",
-                    "Magnitudes per row, by which places are compared. More distinguish nearby "
-                    "places; fewer tolerate more change."},
-        OptionField{"k2", &O::k2, Closed(2, 4096), "",
-                    "Phases per row, from which headings are estimated. More give finer headings. "
-                    "The compass uses frequencies that have both magnitude and phase."},
+                    "Number of magnitudes per row, by which places are compared. More magnitudes "
+                    "distinguish nearby places; fewer tolerate more change."},
+        OptionField{
+            "k2", &O::k2, Closed(2, 4096), "",
+            "Number of phases per row, from which headings are estimated. More phases give finer "
+            "headings. The compass uses only frequencies with both a magnitude and a phase."},
         OptionGroup{"band", &O::band},
         OptionField{"normalise", &O::normalise, AnyValue(), "",
                     "Photometric normalisation: subtract the band's mean and divide by its "
-                    "standard deviation. Tolerates changes of exposure, but loses the overall "
+                    "standard deviation. This tolerates changes of exposure, but loses the overall "
                     "brightness, which may distinguish places."});
   }
   void Check() const;  // throws MapError(kBadOptions)

@@ -22,26 +22,27 @@ struct SmallMotionOptions {
     using O = SmallMotionOptions;
     return use(
         OptionField{"coarse_frequencies", &O::coarse_frequencies, Closed(2, 64), "",
-                    "Frequencies of the coarsest stage; each further stage doubles them. Fewer "
-                    "converge from farther away."},
+                    "Number of frequencies of the coarsest stage; each further stage doubles their "
+                    "number. Fewer frequencies converge from farther away."},
         OptionField{"fine_frequencies", &O::fine_frequencies, Closed(2, 4096), "",
-                    "Frequencies of the finest stage, at most those of the signatures. More are "
-                    "more accurate; the finest stage takes most of the time."},
-        OptionField{
-            "steps", &O::steps, Closed(1, 50), "steps",
-            "Gauss-Newton steps per stage. Fewer are faster and may stop before the best fit."},
+                    "Number of frequencies of the finest stage, at most those of the signatures. "
+                    "More frequencies are more accurate; the finest stage takes most of the time."},
+        OptionField{"steps", &O::steps, Closed(1, 50), "steps",
+                    "Number of Gauss-Newton steps per stage. Fewer steps are faster, but may stop "
+                    "before the best fit."},
         OptionField{"settled_pixels", &O::settled_pixels, Closed(0, 1), "px",
-                    "A stage ends when its last step was smaller than this many of its columns."},
+                    "A stage ends when a step is smaller than this, in pixels of that stage (its "
+                    "columns)."},
         OptionField{"cauchy_sigmas", &O::cauchy_sigmas, Closed(1, 10), "sigmas",
-                    "Residuals beyond this many sigmas are weighted down (Cauchy). Makes the "
-                    "estimate robust to parts that are occluded or have moved."},
+                    "Residuals beyond this many sigmas are downweighted (Cauchy), which makes the "
+                    "estimate robust to parts of the scene that are occluded or have moved."},
         OptionField{"nearness_sigma", &O::nearness_sigma, Closed(0.01, 10), "",
                     "Prior standard deviation of each of the four waves by which the inverse "
                     "distance of landmarks varies around the circle, relative to its mean. Higher "
-                    "fits uneven rooms; lower tolerates more noise."},
+                    "values fit uneven rooms; lower values tolerate more noise."},
         OptionField{"correlated_pixels", &O::correlated_pixels, Closed(1, 1000), "px",
                     "Number of neighbouring pixels whose correlated residuals carry the "
-                    "information of one. Scales the sigmas."});
+                    "information of one; scales the sigmas."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

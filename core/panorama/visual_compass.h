@@ -28,13 +28,13 @@ struct PhaseCompassOptions {
             "Exponent of the weight (m_a m_b)^power of a frequency in a row, from its magnitudes. "
             "0 is the paper's convolution of phases only, which weights noise like edges; 1 is the "
             "plain cross-spectrum, which a few strong waves dominate."},
-        OptionField{
-            "frequencies", &O::frequencies, Closed(2, 4096), "",
-            "Frequencies used, from 1. Fewer tolerate larger motions; more give a sharper peak."},
+        OptionField{"frequencies", &O::frequencies, Closed(2, 4096), "",
+                    "Number of frequencies used, starting at 1. Fewer frequencies tolerate larger "
+                    "motions; more give a sharper peak."},
         OptionField{"steps", &O::steps, Closed(16, 65536), "steps",
-                    "Headings tried around the circle before the best is refined."},
+                    "Number of headings tried around the circle before the best one is refined."},
         OptionField{"separation_rad", &O::separation_rad, Closed(0.01, 3), "rad",
-                    "How far a runner-up lies off."});
+                    "Minimum angle between the best heading and a runner-up."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };
@@ -79,32 +79,33 @@ struct CompassOptions {
         OptionGroup{"phases", &O::phases}, OptionGroup{"warping", &O::warping},
         OptionGroup{"small_motion", &O::small_motion},
         OptionField{"separation_rad", &O::separation_rad, Closed(0.01, 3), "rad",
-                    "How far a runner-up of the warping search lies off."},
+                    "Minimum angle between the warping search's best result and a runner-up."},
         OptionField{"cost_per_e", &O::cost_per_e, Closed(0.01, 100), "",
                     "Difference in cost of the warping search, summed over the columns, at which a "
-                    "hypothesis is e times less likely. Higher reports larger sigmas."},
+                    "hypothesis is e times less likely. Higher values report larger sigmas."},
         OptionField{"warping_sigma_rad", &O::warping_sigma_rad, Closed(0.001, 0.5), "rad",
                     "Standard deviation of the warping search itself, due to its coarse columns "
                     "and model."},
         OptionField{"min_correlation", &O::min_correlation, Closed(0, 1), "",
-                    "The small motion is accepted if it explains at least this share of the first "
-                    "panorama."},
+                    "The small-motion estimate is accepted if it explains at least this share of "
+                    "the first panorama."},
         OptionField{"agreement_rad", &O::agreement_rad, Closed(0.001, 1), "rad",
-                    "The small motion is accepted if its rotation differs from the warping "
-                    "search's by at most this."},
+                    "The small-motion estimate is accepted if its rotation differs from that of "
+                    "the warping search by at most this."},
         OptionField{
             "still_frequencies", &O::still_frequencies, Closed(2, 64), "",
-            "Frequencies of the coarsest stage when started from the phases' heading. That heading "
-            "is exact for a pure rotation, while occlusions mislead coarse stages."},
-        OptionField{"still_sigmas", &O::still_sigmas, Closed(0, 100), "sigmas",
-                    "A motion smaller than this many of its sigmas counts as none. The heading "
-                    "then comes from the phases alone, which occlusion and noise disturb less."},
+            "Number of frequencies of the coarsest stage when started from the phases' heading. "
+            "That heading is exact for a pure rotation, while occlusions mislead coarse stages."},
+        OptionField{
+            "still_sigmas", &O::still_sigmas, Closed(0, 100), "sigmas",
+            "A motion smaller than this many of its sigmas counts as no motion. The heading then "
+            "comes from the phases alone, which occlusion and noise disturb less."},
         OptionField{"uneven_depth", &O::uneven_depth, Closed(0, 1), "",
-                    "Relative variation of the landmarks' distances. The small motion assumes "
-                    "equal distances and has an error of this share of step over distance. Higher "
-                    "reports larger sigmas for larger steps."},
+                    "Relative variation of the landmarks' distances. The small-motion estimate "
+                    "assumes equal distances; its error is this share of the ratio of step to "
+                    "distance. Higher values report larger sigmas for larger steps."},
         OptionField{"max_motion_sigma_rad", &O::max_motion_sigma_rad, Closed(0.01, 1.8), "rad",
-                    "Directions of motion less certain than this are left out."});
+                    "Directions of motion that are less certain than this are omitted."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -22,34 +22,36 @@ struct WarpingOptions {
   static constexpr auto Fields(const auto& use) {
     using O = WarpingOptions;
     return use(
-        OptionField{"columns", &O::columns, Closed(24, 360), "columns",
-                    "Columns around the circle, even: the grid of rotations and directions of "
-                    "motion. More are finer; time grows with the cube."},
-        OptionField{"frequencies", &O::frequencies, Closed(4, 4096), "",
-                    "Frequencies used, at most those of the signature; those beyond half the "
-                    "columns would alias. Fewer tolerate tilt and change; more are sharper."},
-        OptionField{"max_shift_rad", &O::max_shift_rad, Closed(0.05, 1.5), "rad",
-                    "Largest change of a landmark's bearing due to the motion. Higher covers "
-                    "larger motions, and lets unrelated columns match."},
-        OptionField{"max_scale", &O::max_scale, Closed(1.1, 5), "",
-                    "Largest ratio of a landmark's distances before and after the motion."},
-        OptionField{"scales", &O::scales, Closed(3, 41), "steps",
-                    "Number of steps from 1 / max_scale to max_scale, odd. More fit better; time "
-                    "grows in proportion."},
-        OptionField{"shift_cost", &O::shift_cost, Closed(0, 5), "",
-                    "Cost per radian of shift, relative to the cost of uncorrelated columns. "
-                    "Favours distant landmarks, which are more common in rooms."},
         OptionField{
-            "upright_share", &O::upright_share, Closed(0, 1), "",
-            "Weight of vertical edges (door frames, corners) against horizontal ones when columns "
-            "are compared. Higher resolves azimuths better; lower resolves distances better."},
+            "columns", &O::columns, Closed(24, 360), "columns",
+            "Number of columns around the circle (an even number): the grid of rotations and "
+            "directions of motion. More columns give a finer grid; time grows cubically."},
+        OptionField{
+            "frequencies", &O::frequencies, Closed(4, 4096), "",
+            "Number of frequencies used, at most those of the signature; those beyond half the "
+            "columns would alias. Fewer frequencies tolerate tilt and change; more are sharper."},
+        OptionField{"max_shift_rad", &O::max_shift_rad, Closed(0.05, 1.5), "rad",
+                    "Maximum change of a landmark's bearing due to the motion. Higher values cover "
+                    "larger motions, but let unrelated columns match."},
+        OptionField{"max_scale", &O::max_scale, Closed(1.1, 5), "",
+                    "Maximum ratio of a landmark's distances before and after the motion."},
+        OptionField{"scales", &O::scales, Closed(3, 41), "steps",
+                    "Number of steps from 1 / max_scale to max_scale (an odd number). More steps "
+                    "fit better; time grows linearly."},
+        OptionField{"shift_cost", &O::shift_cost, Closed(0, 5), "",
+                    "Cost per radian of shift, relative to the cost of uncorrelated columns. It "
+                    "favours distant landmarks, which are more common in rooms."},
+        OptionField{"upright_share", &O::upright_share, Closed(0, 1), "",
+                    "Weight of vertical edges (door frames, corners) relative to horizontal ones "
+                    "when columns are compared. Higher values resolve azimuths better; lower "
+                    "values resolve distances better."},
         OptionField{"edge_softness", &O::edge_softness, Closed(0, 100), "",
                     "Edges of this strength, relative to the root mean square, count half as much "
-                    "as the strongest. Lower lets faint edges count beside bright windows; 0 does "
-                    "not compress edges."},
+                    "as the strongest ones. Lower values let faint edges count next to bright "
+                    "windows; 0 doesn't compress edges."},
         OptionField{"plain_share", &O::plain_share, Closed(0, 10), "",
                     "Columns whose edges have this share of the mean square count half as much as "
-                    "the most textured ones, since plain walls show mostly noise."});
+                    "the most textured ones, since plain walls contain mostly noise."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -31,20 +31,20 @@ struct PoseGraphOptions {
 
   static constexpr auto Fields(const auto& use) {
     return use(
-        OptionField{
-            "loop_loss", &PoseGraphOptions::loop_loss, Closed(0.1, 100), "",
-            "Number of sigmas beyond which a loop edge is weighted down (Cauchy loss). Higher "
-            "trusts loops more; lower tolerates more wrong loops but requires a better start."},
+        OptionField{"loop_loss", &PoseGraphOptions::loop_loss, Closed(0.1, 100), "",
+                    "Number of sigmas beyond which a loop edge is downweighted (Cauchy loss). "
+                    "Higher values trust loops more; lower values tolerate more wrong loops, but "
+                    "require a better initial estimate."},
         OptionField{"reject_beyond", &PoseGraphOptions::reject_beyond, Closed(1, 1000), "",
                     "Loop edges with a residual of more than this many sigmas after the robust "
                     "optimisation are removed. 3.4 keeps 99 % of correct loops if their sigmas are "
                     "correct."},
         OptionField{"log_scale_sigma", &PoseGraphOptions::log_scale_sigma, Closed(0.001, 10), "",
-                    "Where maps are joined: prior standard deviation of the logarithm of a map's "
-                    "scale. Without it, maps that are not tied to metres would shrink to a point. "
-                    "Builds have one scale for all sequences."},
+                    "When maps are joined: prior standard deviation of the logarithm of a map's "
+                    "scale. Without it, maps whose scale isn't metric would shrink to a point. A "
+                    "build has one scale for all sequences."},
         OptionField{"max_iterations", &PoseGraphOptions::max_iterations, Closed(1, 1000), "",
-                    "Maximum steps per optimisation."});
+                    "Maximum number of steps per optimisation."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -29,21 +29,21 @@ struct InvertedFileOptions {
 
   static constexpr auto Fields(const auto& use) {
     return use(
-        OptionField{
-            "min_rows", &InvertedFileOptions::min_rows, AtLeast(1), "",
-            "Fewer rows than this are searched exhaustively, which is about as fast and exact."},
-        OptionField{
-            "lists_per_root", &InvertedFileOptions::lists_per_root, OpenLow(0, 100), "",
-            "Lists for n rows: this times the square root of n, to the nearest power of two, at "
-            "most 2^15. More lists are shorter, but choosing among them takes longer."},
+        OptionField{"min_rows", &InvertedFileOptions::min_rows, AtLeast(1), "",
+                    "Indexes with fewer rows than this are searched exhaustively, which is about "
+                    "as fast, and exact."},
+        OptionField{"lists_per_root", &InvertedFileOptions::lists_per_root, OpenLow(0, 100), "",
+                    "Number of lists for n rows: this times the square root of n, rounded to the "
+                    "nearest power of two, at most 2^15. With more lists, each is shorter, but "
+                    "choosing among them takes longer."},
         OptionField{"training_rows", &InvertedFileOptions::training_rows, AtLeast(1), "",
-                    "Rows per list from which the centres are learned. More fit the rows better "
-                    "and take longer."},
+                    "Number of rows per list from which the centres are learned. More rows fit the "
+                    "data better, but take longer."},
         OptionField{"rounds", &InvertedFileOptions::rounds, Closed(0, 1000), "",
-                    "Rounds of k-means."},
-        OptionField{
-            "seed", &InvertedFileOptions::seed, AnyValue(), "",
-            "Seed of the choice of training rows: the same rows and options give the same file."});
+                    "Number of rounds of k-means."},
+        OptionField{"seed", &InvertedFileOptions::seed, AnyValue(), "",
+                    "Random seed of the choice of training rows: the same rows and options give "
+                    "the same file."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -24,8 +24,8 @@ struct AssociationOptions {
   static constexpr auto Fields(const auto& use) {
     return use(OptionField{"max_difference_s", &AssociationOptions::max_difference_s,
                            OpenLow(0, 1e9), "s",
-                           "Largest difference between the time stamps of associated poses. "
-                           "Higher associates more, less accurately during fast motion."});
+                           "Maximum difference between the time stamps of associated poses. Higher "
+                           "values associate more poses, but less accurately during fast motion."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -19,15 +19,14 @@ struct BearingFeatureOptions {
   int max_kept = 500;
 
   static constexpr auto Fields(const auto& use) {
-    return use(
-        OptionGroup{"features", &BearingFeatureOptions::features},
-        OptionField{"buckets", &BearingFeatureOptions::buckets, Closed(1, 64), "",
-                    "Each image is divided into cells, this many along its longer side, and each "
-                    "cell keeps its share of the strongest features, so that they are spread over "
-                    "the view (bucketing, sec. III-C)."},
-        OptionField{
-            "max_kept", &BearingFeatureOptions::max_kept, Closed(10, 100'000), "",
-            "Maximum features per image. More give more matches; time grows with the square."});
+    return use(OptionGroup{"features", &BearingFeatureOptions::features},
+               OptionField{"buckets", &BearingFeatureOptions::buckets, Closed(1, 64), "",
+                           "Each image is divided into cells, this many along its longer side, and "
+                           "each cell keeps its share of the strongest features, so that they are "
+                           "spread over the image (bucketing, sec. III-C)."},
+               OptionField{"max_kept", &BearingFeatureOptions::max_kept, Closed(10, 100'000), "",
+                           "Maximum number of features per image. More features give more matches; "
+                           "time grows quadratically."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -19,15 +19,15 @@ struct EpipolarOptions {
   static constexpr auto Fields(const auto& use) {
     using Self = EpipolarOptions;
     return use(
-        OptionField{
-            "max_error_px", &Self::max_error_px, Above(0), "px",
-            "Largest Sampson error of an inlier. Higher accepts more matches, and more by chance."},
+        OptionField{"max_error_px", &Self::max_error_px, Above(0), "px",
+                    "Maximum Sampson error of an inlier. Higher values accept more matches, but "
+                    "also more chance matches."},
         OptionField{"confidence", &Self::confidence, Open(0, 1), "",
                     "Probability that at least one sample consists of inliers only.",
                     OptionUse::kInternal},
         OptionField{"max_samples", &Self::max_samples, Closed(1, 100'000), "",
-                    "Maximum number of samples of seven matches, however low the inlier ratio. "
-                    "Bounds the time."},
+                    "Maximum number of samples of seven matches, however low the inlier ratio; "
+                    "bounds the running time."},
         OptionField{
             "planar_share", &Self::planar_share, Closed(0, 1), "",
             "If one homography explains this share of the inliers, the scene counts as planar or "

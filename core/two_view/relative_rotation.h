@@ -29,29 +29,31 @@ struct RelativeOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"max_error_rad", &RelativeOptions::max_error_rad, Closed(1e-5, 0.1), "rad",
-                    "Largest error of an inlier (EpipolarError). Higher accepts blurred and badly "
-                    "calibrated images, and more wrong matches."},
+                    "Maximum error of an inlier (EpipolarError). Higher values accept blurred and "
+                    "poorly calibrated images, but also more wrong matches."},
         OptionField{"confidence", &RelativeOptions::confidence, Closed(0.5, 0.999999), "",
                     "Probability that at least one sample consists of inliers only."},
         OptionField{"max_samples", &RelativeOptions::max_samples, Closed(1, 100'000), "",
-                    "Maximum number of samples. Bounds the time."},
+                    "Maximum number of samples; bounds the running time."},
         OptionField{"min_samples", &RelativeOptions::min_samples, Closed(1, 100'000), "",
                     "Minimum number of samples."},
         OptionField{"max_steps", &RelativeOptions::max_steps, Closed(1, 100), "",
-                    "Maximum refinement steps."},
-        OptionField{"min_inliers", &RelativeOptions::min_inliers, Closed(5, 10'000), "",
-                    "Correspondences that the rotation requires; the paper uses 10 (sec. III-C)."},
-        OptionField{"max_log10_chance", &RelativeOptions::max_log10_chance, Closed(-300, 0), "",
-                    "Largest number of motions, as a power of ten, that as many unrelated matches "
-                    "are expected to fit. Lower refuses more."},
+                    "Maximum number of refinement steps."},
+        OptionField{
+            "min_inliers", &RelativeOptions::min_inliers, Closed(5, 10'000), "",
+            "Minimum number of correspondences for a rotation; the paper uses 10 (sec. III-C)."},
+        OptionField{
+            "max_log10_chance", &RelativeOptions::max_log10_chance, Closed(-300, 0), "",
+            "Maximum number of motions, as a power of ten, that the same number of unrelated "
+            "matches would be expected to fit. Lower values refuse more motions."},
         OptionField{"max_sigma_rad", &RelativeOptions::max_sigma_rad, Closed(1e-5, 1), "rad",
-                    "Largest standard deviation of the rotation about its worst-known direction."},
+                    "Maximum standard deviation of the rotation about its worst-known direction."},
         OptionField{
             "max_rival", &RelativeOptions::max_rival, Closed(0.5, 1), "",
             "A plane allows two motions. The pose is ambiguous if the second one explains at least "
-            "this share of what the best one explains. Lower calls more poses ambiguous."},
+            "this share of what the best one explains. Lower values make more poses ambiguous."},
         OptionField{"rival_angle_rad", &RelativeOptions::rival_angle_rad, Closed(0.001, 1), "rad",
-                    "Smallest angle between the two motions at which they count as different."},
+                    "Minimum angle between the two motions at which they count as different."},
         OptionField{"seed", &RelativeOptions::seed, AnyValue(), "", "Seed of the samples."});
   }
   void Check() const;  // throws MapError(kBadOptions)

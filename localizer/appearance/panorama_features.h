@@ -15,12 +15,11 @@ struct PanoramaFeatureOptions {
   double face_width = 0.318;
 
   static constexpr auto Fields(const auto& use) {
-    return use(
-        OptionGroup{"bearings", &PanoramaFeatureOptions::bearings},
-        OptionField{"face_width", &PanoramaFeatureOptions::face_width, Closed(0.05, 1), "",
-                    "Width of a face relative to the panorama's. A face covers a quarter of the "
-                    "circle; at 1 / pi its centre has the panorama's resolution. Lower is faster "
-                    "and finds fewer features."});
+    return use(OptionGroup{"bearings", &PanoramaFeatureOptions::bearings},
+               OptionField{"face_width", &PanoramaFeatureOptions::face_width, Closed(0.05, 1), "",
+                           "Width of a face relative to the panorama's. A face covers a quarter of "
+                           "the circle; at 1 / pi its centre has the panorama's resolution. Lower "
+                           "values are faster, but find fewer features."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -34,19 +34,18 @@ struct SeriesOptions {
     return use(
         OptionGroup{"query", &Self::query},
         OptionField{"position_spacings", &Self::position_spacings, Closed(0.01, 1000), "",
-                    "The filter's position_sigma, in spacings of the map's nodes. More lets "
-                    "neighbours share the belief."},
-        OptionField{
-            "step_spacings", &Self::step_spacings, Closed(0.01, 1000), "",
-            "The filter's step_sigma without odometry, in spacings of the map's nodes. More "
-            "lets the robot move farther between two images."},
+                    "The filter's position_sigma, in spacings of the map's nodes. Higher values "
+                    "let neighbours share the belief."},
+        OptionField{"step_spacings", &Self::step_spacings, Closed(0.01, 1000), "",
+                    "The filter's step_sigma without odometry, in spacings of the map's nodes. "
+                    "Higher values let the robot move farther between two images."},
         OptionField{"max_log_odds", &Self::max_log_odds, Closed(0.1, 100), "",
-                    "Largest contribution of one image to a node's log odds, since consecutive "
-                    "images are not independent evidence. Lower takes longer to decide."},
+                    "Maximum contribution of one image to a node's log odds, since consecutive "
+                    "images are not independent evidence. Lower values take longer to decide."},
         OptionField{"min_alone", &Self::min_alone, Closed(0, 1), "",
-                    "A panorama counts when its likeliest place has this probability if nothing "
-                    "else were like it. Less lets panoramas of what isn't in the map move the "
-                    "belief."});
+                    "A panorama counts if its most probable place would have at least this "
+                    "probability if no other place resembled it. Lower values let panoramas of "
+                    "places that aren't in the map change the belief."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -20,15 +20,14 @@ struct CoarseOptions {
 
   static constexpr auto Fields(const auto& use) {
     using Self = CoarseOptions;
-    return use(
-        OptionField{"probes", &Self::probes, Closed(1, Vocabulary::kMaxProbes), "",
-                    "Words that a feature of the query is looked for in. More find more, and cost "
-                    "time."},
-        OptionField{"max_distance", &Self::max_distance, Closed(0, 64), "bits",
-                    "Largest difference of signatures that counts as the same feature."},
-        OptionField{"window", &Self::window, Closed(0, 100), "places",
-                    "Places before and behind one that speak for it too: neighbours saw the same, "
-                    "and know other features of it."});
+    return use(OptionField{"probes", &Self::probes, Closed(1, Vocabulary::kMaxProbes), "",
+                           "Number of words in which a feature of the query is searched for. More "
+                           "words find more features, but take longer."},
+               OptionField{"max_distance", &Self::max_distance, Closed(0, 64), "bits",
+                           "Maximum difference between signatures that count as the same feature."},
+               OptionField{"window", &Self::window, Closed(0, 100), "places",
+                           "Number of places before and after a place that also vote for it: "
+                           "neighbours saw the same scene and have other features of it."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -29,21 +29,23 @@ struct AppearanceIndexOptions {
   static constexpr auto Fields(const auto& use) {
     using Self = AppearanceIndexOptions;
     return use(
-        OptionField{"frequencies", &Self::frequencies, Closed(1, 4096), "",
-                    "Magnitudes per row that are compared, from frequency 0, at most those of the "
-                    "layer. More distinguish neighbours; fewer tolerate more motion."},
-        OptionField{"stride", &Self::stride, Closed(1, 4096), "",
-                    "Frequencies summed between two tests whether a node is already farther than "
-                    "the best ones. Fewer stop sooner and test more often."},
         OptionField{
-            "typical_pairs", &Self::typical_pairs, Closed(1, 1'000'000), "",
-            "Pairs of nodes from which the typical distance is estimated. More are more accurate."},
+            "frequencies", &Self::frequencies, Closed(1, 4096), "",
+            "Number of magnitudes per row that are compared, from frequency 0, at most those of "
+            "the layer. More magnitudes distinguish neighbours; fewer tolerate more motion."},
+        OptionField{
+            "stride", &Self::stride, Closed(1, 4096), "",
+            "Number of frequencies summed between two tests of whether a node is already farther "
+            "away than the best ones. Lower values stop sooner, but test more often."},
+        OptionField{"typical_pairs", &Self::typical_pairs, Closed(1, 1'000'000), "",
+                    "Number of pairs of nodes from which the typical distance is estimated. More "
+                    "pairs are more accurate."},
         OptionField{"alike", &Self::alike, Closed(0, 1), "",
                     "Signatures that differ by less than this share of the typical distance show "
-                    "one place; a lower bound of the spacing. Higher makes larger places of "
-                    "densely spaced nodes."},
+                    "one place; this gives a lower bound of the spacing. Higher values merge "
+                    "densely spaced nodes into larger places."},
         OptionField{"reach_nodes", &Self::reach_nodes, Closed(1, 1'000'000), "",
-                    "Nodes from which the range of similar views is estimated.",
+                    "Number of nodes from which the range of similar views is estimated.",
                     OptionUse::kInternal});
   }
   void Check() const;  // throws MapError(kBadOptions)

@@ -18,12 +18,12 @@ struct SpacingParallaxOptions {
     using Self = SpacingParallaxOptions;
     return use(
         OptionField{"pairs", &Self::pairs, Closed(1, 1000), "",
-                    "Pairs of nodes that are matched, spread evenly over the layer.",
+                    "Number of pairs of nodes that are matched, spread evenly over the layer.",
                     OptionUse::kInternal},
-        OptionField{
-            "max_apart", &Self::max_apart, Closed(1, 10'000), "nodes",
-            "The nodes of a pair are at most this many nodes apart, where odometry hardly drifts.",
-            OptionUse::kInternal},
+        OptionField{"max_apart", &Self::max_apart, Closed(1, 10'000), "nodes",
+                    "The nodes of a pair are at most this many nodes apart, over which odometry "
+                    "hardly drifts.",
+                    OptionUse::kInternal},
         OptionGroup{"match", &Self::match}, OptionGroup{"relative", &Self::relative});
   }
   void Check() const;  // throws MapError(kBadOptions)

@@ -39,42 +39,44 @@ struct PlaneQueryOptions {
     using Self = PlaneQueryOptions;
     return use(
         OptionField{"max_features", &Self::max_features, Closed(50, 20'000), "",
-                    "Maximum features of a query. More find more and take longer."},
+                    "Maximum number of features of a query. More features find more places, but "
+                    "take longer."},
         OptionField{"contrast_threshold", &Self::contrast_threshold, Open(0, 1), "",
-                    "As for the build: lower finds fainter features."},
+                    "The same as for the build: lower values find fainter features."},
         OptionField{"votes_per_feature", &Self::votes_per_feature, Closed(1, 1000), "",
-                    "Nearest map features for which a query feature votes. More find planes in "
-                    "poor views, and try more wrong ones."},
+                    "Number of nearest map features for which a query feature votes. Higher values "
+                    "find planes in poor views, but try more wrong ones."},
         OptionField{"neighbours", &Self::neighbours, Closed(2, 1000), "",
-                    "Nearest map features by which a query feature weighs its votes for keyframes: "
-                    "the farthest is what any feature would find.",
+                    "Number of nearest map features by which a query feature weights its votes for "
+                    "keyframes: the farthest one is what any feature would find by chance.",
                     OptionUse::kInternal},
-        OptionField{"probes", &Self::probes, AtLeast(1), "",
-                    "Lists of the map's search index that are searched. More find more of the true "
-                    "nearest features and take longer; all lists are an exact search."},
+        OptionField{
+            "probes", &Self::probes, AtLeast(1), "",
+            "Number of lists of the map's search index that are searched. More lists find more of "
+            "the true nearest features, but take longer; searching all lists is exact."},
         OptionField{"max_candidates", &Self::max_candidates, AtLeast(1), "",
-                    "Planes whose homography is tried, most votes first. More find more and cost "
-                    "about 1 ms each."},
+                    "Number of planes whose homography is tried, most votes first. More planes "
+                    "find more places, at about 1 ms each."},
         OptionField{"settled_inliers", &Self::settled_inliers, AtLeast(1), "",
                     "A plane with this many distinct inliers settles the place of the query. Lower "
-                    "answers faster and may miss an ambiguity."},
+                    "values answer faster, but may miss an ambiguity."},
         OptionField{"settled_share", &Self::settled_share, AtLeast(0), "",
                     "Once a plane has settled the place, planes elsewhere are tried only if their "
                     "votes are at least this share of its inliers; at most ambiguous_share. 0 "
-                    "tries all, which is slowest on large maps."},
+                    "tries all planes, which is slowest on large maps."},
         OptionField{"min_votes", &Self::min_votes, AtLeast(1), "",
                     "Planes with fewer votes are not tried."},
         OptionGroup{"match", &Self::match}, OptionGroup{"ransac", &Self::ransac},
         OptionGroup{"homology", &Self::homology}, OptionGroup{"gates", &Self::gates},
         OptionField{
             "max_keyframes", &Self::max_keyframes, AtLeast(1), "",
-            "Keyframes verified by all their matches: of places that planes agree on, of other "
-            "visits to the best of them, and of those with most votes beyond chance, this "
-            "many each. More find more and cost about 2 ms each."},
+            "Number of keyframes verified by all their matches: this many each for the places that "
+            "planes agree on, for other visits to the best of these, and for the keyframes with "
+            "the most votes beyond chance. More keyframes find more places, at about 2 ms each."},
         OptionGroup{"keyframe_match", &Self::keyframe_match},
         OptionGroup{"epipolar", &Self::epipolar},
         OptionField{"seed", &Self::seed, AnyValue(), "",
-                    "Seed of the sampling: the same query, map and options give the same answer."});
+                    "Random seed: the same query, map and options give the same answer."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -19,15 +19,17 @@ struct PoseQueryOptions {
     return use(
         OptionField{"keypoint_sigma_px", &Self::keypoint_sigma_px, Above(0), "px",
                     "Standard deviation of a keypoint's position.", OptionUse::kInternal},
-        OptionField{"keyframes", &Self::keyframes, AtLeast(0), "",
-                    "Keyframes nearest to a first pose whose features are searched for in the "
-                    "query where it puts them. More are more accurate and slower.",
-                    OptionUse::kInternal},
+        OptionField{
+            "keyframes", &Self::keyframes, AtLeast(0), "",
+            "Number of keyframes nearest to an initial pose whose features are searched for in the "
+            "query where that pose projects them. More keyframes are more accurate, but slower.",
+            OptionUse::kInternal},
         OptionField{"search_px", &Self::search_px, Above(0), "px",
-                    "How far from there they are searched for.", OptionUse::kInternal},
+                    "Search radius around the projected position of a feature.",
+                    OptionUse::kInternal},
         OptionField{"max_descriptor_distance", &Self::max_descriptor_distance, OpenLow(0, 1), "",
-                    "Largest distance of their descriptors, as a share of what descriptors can "
-                    "differ by.",
+                    "Maximum distance between their descriptors, as a share of the largest "
+                    "possible distance.",
                     OptionUse::kInternal},
         OptionGroup{"solve", &Self::solve});
   }

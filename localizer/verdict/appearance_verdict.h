@@ -61,16 +61,16 @@ struct AppearanceFitOptions {
     using Self = AppearanceFitOptions;
     return use(
         OptionField{"intercept_sigma", &Self::intercept_sigma, Closed(0.01, 100), "",
-                    "Prior standard deviation of the intercept around the default's. Higher trusts "
-                    "few samples more."},
+                    "Prior standard deviation of the intercept, around that of the default model. "
+                    "Higher values trust small numbers of samples more."},
         OptionField{"weight_sigma", &Self::weight_sigma, Closed(0.01, 100), "",
                     "Prior standard deviation of each term's weight."},
         OptionField{"wrong_weight", &Self::wrong_weight, Closed(0.1, 100), "",
                     "Weight of the wrong samples relative to the right ones: a wrong answer costs "
-                    "a robot more than a refused one. Higher refuses more."},
+                    "a robot more than a refused one. Higher values refuse more queries."},
         OptionField{"min_samples", &Self::min_samples, Closed(1, 10'000), "",
-                    "With fewer right or fewer wrong samples than this the default model is used. "
-                    "Lower adapts to smaller maps, and to chance."});
+                    "With fewer right or fewer wrong samples than this, the default model is used. "
+                    "Lower values adapt to smaller maps, but also to chance."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

@@ -18,28 +18,28 @@ struct GateOptions {
   static constexpr auto Fields(const auto& use) {
     return use(
         OptionField{"min_inliers", &GateOptions::min_inliers, AtLeast(5), "",
-                    "Distinct image positions whose matches must support a plane's homography. "
-                    "Higher refuses more true planes; lower accepts more by chance."},
+                    "Minimum number of distinct image positions whose matches must support a "
+                    "plane's homography. Higher values refuse more true planes; lower values "
+                    "accept more planes by chance."},
         OptionField{"min_probability", &GateOptions::min_probability, Open(0, 1), "",
-                    "Smallest probability, by the map's model, of a localized answer. Higher "
-                    "refuses more."},
+                    "Minimum probability, by the map's model, of a localized answer. Higher values "
+                    "refuse more queries."},
         OptionField{"min_inlier_share", &GateOptions::min_inlier_share, Closed(0, 1), "",
-                    "Share of the plane's matches that must support its homography. Higher refuses "
-                    "more true planes."},
+                    "Minimum share of the plane's matches that must support its homography. Higher "
+                    "values refuse more true planes."},
         OptionField{"distinct_px", &GateOptions::distinct_px, AtLeast(0), "px",
-                    "Inliers closer together than this count as one, since one corner gives "
+                    "Inliers closer together than this count as one, since a single corner gives "
                     "several features."},
         OptionField{"max_scale", &GateOptions::max_scale, Above(1), "",
-                    "Largest factor by which a homography may enlarge or shrink the query, "
+                    "Maximum factor by which a homography may enlarge or shrink the query, "
                     "relative to the sizes of both images. Larger factors are fits to noise."},
-        OptionField{
-            "ambiguous_share", &GateOptions::ambiguous_share, OpenLow(0, 1), "",
-            "Where either is known by its planes alone, an answer is ambiguous if a second place "
-            "has at least this share of the first one's inliers. Lower calls more answers "
-            "ambiguous."},
+        OptionField{"ambiguous_share", &GateOptions::ambiguous_share, OpenLow(0, 1), "",
+                    "If either place is recognised by its planes alone, an answer is ambiguous if "
+                    "the second place has at least this share of the first one's inliers. Lower "
+                    "values make more answers ambiguous."},
         OptionField{"min_rival_probability", &GateOptions::min_rival_probability, Closed(0, 1), "",
-                    "Smallest probability of a second place known by a keyframe, since an epipolar "
-                    "geometry fits some matches of any two images.",
+                    "Minimum probability of a second place recognised by a keyframe, since an "
+                    "epipolar geometry fits some matches of any two images.",
                     OptionUse::kInternal});
   }
   void Check() const;  // throws MapError(kBadOptions)

@@ -33,15 +33,15 @@ struct FitOptions {
     using Self = FitOptions;
     return use(
         OptionField{"intercept_sigma", &Self::intercept_sigma, Above(0), "",
-                    "Prior standard deviation of the intercept around that of the default model. "
-                    "Higher trusts few samples more."},
+                    "Prior standard deviation of the intercept, around that of the default model. "
+                    "Higher values trust small numbers of samples more."},
         OptionField{"log_inliers_sigma", &Self::log_inliers_sigma, Above(0), "",
                     "Prior standard deviation of the coefficient of the logarithm of inliers."},
         OptionField{"inlier_share_sigma", &Self::inlier_share_sigma, Above(0), "",
                     "Prior standard deviation of the coefficient of the inlier ratio."},
         OptionField{
             "min_samples", &Self::min_samples, Closed(1, 10'000), "",
-            "With fewer right or fewer wrong samples than this the default model is used."});
+            "With fewer right or fewer wrong samples than this, the default model is used."});
   }
   void Check() const;  // throws MapError(kBadOptions)
 };

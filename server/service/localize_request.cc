@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/service/localize_request.h"
 
+#include <algorithm>
+#include <array>
+#include <string>
 #include <utility>
 
 #include "core/base/error.h"
@@ -20,7 +23,17 @@ Json ParameterValue(const std::string& name, const std::string& text) {
     RefuseRequest(QuoteShortened("debug=" + text) + " must be true or false");
   }
   Json value = Json::parse(text, nullptr, false);
-  return value.is_number() ? value : Json(text);  // which is refused by the name of its field
+  return value.is_number() ? value : Json(text);  // refused later, naming the field
+}
+
+void RefuseUnknown(const std::string& parameter) {
+  constexpr std::array kKnown{"camera", "cx", "cy",   "deadline_ms",    "debug", "fov_deg",
+                              "fx",     "fy", "name", "prior_keyframe", "top_k"};
+  if (std::ranges::find(kKnown, parameter) != kKnown.end()) return;
+  std::string known;
+  for (const char* name : kKnown) known += (known.empty() ? "" : ", ") + std::string(name);
+  RefuseRequest("unknown query parameter " + QuoteShortened(parameter) +
+                "; known parameters: " + known);
 }
 
 QueryRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
@@ -36,6 +49,7 @@ QueryRequest ReadRaw(const HttpRequest& http, const RequestLimits& limits) {
     } else if (name == "prior" || name == "previous" || name == "odometry" || name == "images") {
       RefuseRequest(name + " must be in a JSON body; the query parameter is prior_keyframe");
     } else {
+      RefuseUnknown(name);
       object[name] = ParameterValue(name, text);
     }
   }
@@ -121,8 +135,8 @@ QueryRequest ReadQueryRequest(const HttpRequest& request, const RequestLimits& l
   const std::string type = MediaTypeOf(given);
   if (type == "multipart/form-data") return ReadForm(request, given, limits);
   if (IsJson(request)) return ReadJson(request, limits);
-  // A form is what curl calls any body when it isn't told otherwise, so a photo sent the shortest
-  // way comes as one.
+  // curl calls any body a form unless told otherwise, so a photo sent in the shortest way arrives
+  // as one.
   const bool raw = type.empty() || type.starts_with("image/") ||
                    type == "application/octet-stream" ||
                    type == "application/x-www-form-urlencoded";

@@ -8,11 +8,12 @@
 namespace waystone {
 
 // Reads a request's body by its Content-Type:
-//   image/*, application/octet-stream, none: the image; the rest as query parameters;
+//   image/*, application/octet-stream, application/x-www-form-urlencoded (what curl sends
+//   by default), none: the image; the rest as query parameters;
 //   multipart/form-data: parts `image` (one or more) and `request`, a JSON object;
 //   application/json: the same object with "images": [{"name", "data": base64}].
-// Throws MapError: kUnsupportedMedia, kPayloadTooLarge, and kBadRequest with the field at fault for
-// what is unknown, out of range or contradicts itself.
+// Throws what read_body throws, and MapError: kUnsupportedMedia, and kBadRequest, naming the field,
+// for one that is unknown, out of range or contradicts another. Thread-safe.
 QueryRequest ReadQueryRequest(const HttpRequest& request, const RequestLimits& limits);
 
 // Whether the body is JSON.

@@ -16,7 +16,7 @@
 namespace waystone {
 namespace {
 
-// What the request's own deadline is, only its body says.
+// Only the body tells the request's own deadline.
 constexpr std::chrono::seconds kParsePatience{20};
 
 void RefuseMapsOwn(const QueryRequest& request) {
@@ -61,8 +61,8 @@ QueryRequest LocalizeService::Read(const HttpRequest& http) {
   const std::optional<QueryGate::Turn> turn =
       is_json ? parsing_json_.Enter(http.received + kParsePatience) : std::nullopt;
   if (is_json && !turn) {
-    throw BusyError("too many JSON bodies wait to be parsed; try again, or send images as they are",
-                    1);
+    throw BusyError(
+        "too many JSON bodies are waiting to be parsed; try again, or send plain images", 1);
   }
   QueryRequest request = ReadQueryRequest(http, limits_);
   request.received = http.received;

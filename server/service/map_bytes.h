@@ -7,12 +7,13 @@
 
 namespace waystone {
 
-// What an open map takes of memory, as a multiple of its file: measured 1.4 for maps of planes and
-// 2.6 with an appearance layer, whose index of features is made when it is opened.
+// Bytes of memory that an open map takes, as a multiple of its file: measured as 1.4 for maps of
+// planes and 2.6 with an appearance layer, whose index of features is made when the map is opened.
+// Pure; thread-safe.
 inline int64_t OpenBytes(const MapVersion& version) {
   return version.bytes * (HasLayer(version, "appearance") ? 3 : 2);
 }
-// While it is opened, the file is in memory too.
+// The same while it is being opened: the file is in memory, too. Pure; thread-safe.
 inline int64_t OpeningBytes(const MapVersion& version) {
   return OpenBytes(version) + version.bytes;
 }

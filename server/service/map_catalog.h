@@ -11,7 +11,7 @@
 
 namespace waystone {
 
-// Maps that are all in memory, and may be exchanged while requests are answered. Thread-safe.
+// Maps that are all in memory, and may be replaced while requests are answered. Thread-safe.
 class MapCatalog : public MapSource {
  public:
   using Indices = std::map<std::string, std::shared_ptr<const MapIndex>>;
@@ -26,13 +26,13 @@ class MapCatalog : public MapSource {
   std::vector<std::string> Names() const override;
   void CheckName(const std::string& name) const override { Find(name); }
   MapPtr Find(const std::string& name, const Deadline&) override { return Find(name); }
-  // Maps of files have neither tags nor a registry's frames: hints at them are kNotAvailable.
+  // Maps from files have neither tags nor a registry's frames: hints about them are kNotAvailable.
   SearchScope ScopeOf(const MapHints& hints) const override;
   std::vector<FoundMap> FindLot(std::span<const std::string> names, const Deadline&) override;
   Json Summary(const std::string& name) const override;
   Holdings holdings() const override;
 
-  // Adds a map or takes the place of the one of that name. The caller has built it completely.
+  // Adds a map, or replaces the one of that name. The index is complete.
   void Put(const std::string& name, std::shared_ptr<const MapIndex> index);
   void Remove(const std::string& name);
 

@@ -9,8 +9,8 @@
 
 namespace waystone {
 
-// A number of bytes of which maps take their shares, and give them back when the last request that
-// uses them has ended. Thread-safe.
+// A number of bytes of which maps take shares; a share is given back when the last request that
+// uses its map has ended. Thread-safe; a share itself isn't.
 class MapMemory : public std::enable_shared_from_this<MapMemory> {
  public:
   class Share {
@@ -39,7 +39,7 @@ class MapMemory : public std::enable_shared_from_this<MapMemory> {
     const std::lock_guard lock(mutex_);
     return used_;
   }
-  // A share, waited for until then; null where there is no room.
+  // A share, waited for at most `patience`; null where there is still no room.
   std::shared_ptr<Share> Take(int64_t bytes, std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
     const bool room = changed_.wait_for(lock, patience, [&] { return used_ + bytes <= limit_; });

@@ -14,7 +14,7 @@
 namespace waystone {
 namespace {
 
-// What a lot's maps are called in answers.
+// What answers call the state of a map of a lot.
 const char* StateOf(MapFinding finding) {
   switch (finding) {
     case MapFinding::kFound:
@@ -29,8 +29,8 @@ const char* StateOf(MapFinding finding) {
   return "failed";
 }
 
-// The images of a request as the coarse index wants them. A thread of its own may still describe
-// when nobody waits for it any longer, so that it holds all that it needs.
+// The images of a request as the coarse index needs them. A thread may still describe them when
+// nobody waits for it any longer, so this holds all that it needs.
 struct Proposing {
   QueryRequest request;
   std::shared_ptr<const CoarseIndex> index;
@@ -41,7 +41,7 @@ struct Proposing {
   std::vector<CoarseDescriptors> Describe(QueryImage& image) const;
 };
 
-// Nothing of bytes that are no image: every map's answer says so.
+// Nothing for bytes that aren't an image: every map's answer says so.
 std::vector<CoarseDescriptors> Proposing::Describe(QueryImage& image) const {
   try {
     const auto* bytes = reinterpret_cast<const uint8_t*>(image.bytes.data());
@@ -116,7 +116,7 @@ class Search {
     return true;
   }
 
-  // Where the client was before is asked in any case, instead of the last one if need be.
+  // The map where the client was before is always asked, if need be instead of the last proposal.
   void AddPreviousMap() {
     const std::optional<MapHints>& hints = proposing_->request.hints;
     if (!hints || !hints->previous_map) return;
@@ -127,7 +127,7 @@ class Search {
     result_.searched.push_back({name, "", 0, ""});
   }
 
-  // The next maps that can be had at the same time; returns how many.
+  // Asks the next maps that can be had at the same time; returns how many.
   size_t AskLot(std::span<const std::string> names) {
     const std::vector<FoundMap> found = maps_.FindLot(names, deadline_);
     std::vector<QueriedMap> queried;
@@ -150,7 +150,7 @@ class Search {
     return *std::ranges::find(result_.searched, name, &SearchedMap::name);
   }
 
-  // The answer of no map at all.
+  // The answer when no map was asked.
   SearchAnswer WithoutMaps(Stage last) {
     const bool proposed = !result_.searched.empty();
     if (proposed && !deadline_) {
@@ -166,7 +166,7 @@ class Search {
     return std::move(result_);
   }
 
-  // An image that is like nothing in the index.
+  // The answer to an image that resembles nothing in the index.
   Answer Unlike(const QueryImage& image) const {
     try {
       const auto* bytes = reinterpret_cast<const uint8_t*>(image.bytes.data());
@@ -179,7 +179,7 @@ class Search {
     }
     Answer answer;
     answer.decided_by = DecidedBy::kShortlistVotes;
-    answer.message = "no map of the coarse index has anything of this image";
+    answer.message = "no map in the coarse index resembles this image";
     return answer;
   }
 

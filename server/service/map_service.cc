@@ -36,7 +36,7 @@ namespace {
 constexpr int kMaxImageWidth = 4096;
 constexpr int kThumbnailWidth = 160;
 
-// The id in the path. What isn't a number isn't an id of anything.
+// The id in the path. Anything but a number is the id of nothing.
 int64_t IdIn(const Router::Captures& captures, const std::string& kind) {
   const std::string& text = captures.at("id");
   int64_t value = 0;
@@ -88,7 +88,7 @@ HttpResponse PictureResponse(const std::vector<uint8_t>& picture) {
   return {200, MediaTypeOf(picture), std::string(picture.begin(), picture.end()), {}};
 }
 
-// The picture of what has one, at most `width` px wide; 0 for as it is stored.
+// The picture of `of`, at most `width` px wide; 0 for its stored size.
 template <class Pictured>
 HttpResponse ImageResponse(const Pictured& of, int width, QueryGate& gate) {
   if (of.picture.empty()) {
@@ -138,13 +138,13 @@ void MapService::AddTo(Router& router) {
   AddOrientation(router);
 }
 
-// What shows a map never changes while neither the map's version nor the program's does.
+// What these show changes only with the map's version or the program's.
 void MapService::AddShow(Router& router, const std::string& pattern, Show show) {
   router.Add("GET", "/v1/maps/{map}" + pattern,
              [this, show = std::move(show)](const HttpRequest& request, const Captures& captures) {
                const MapSource::MapPtr map = maps_.Find(captures.at("map"), std::nullopt);
                const std::string etag = "\"" + map->version() + "-" + kVersion + "\"";
-               // First the answer: a 304 for what isn't there would be a lie.
+               // The answer comes first: a 304 for something that isn't there would be wrong.
                HttpResponse response = show(request, *map, captures);
                if (Has(request, etag)) response = {304, "", "", {}};
                response.headers.emplace_back("ETag", etag);

@@ -10,13 +10,13 @@
 
 namespace waystone {
 
-// What is in the maps over HTTP: summary, planes with features and views, graph, keyframes with
-// images, poses, audit, the layers of panoramas and orientations. Lists come in pages. A handler
-// finds and renders. Thread-safe.
+// The contents of the maps over HTTP: summary, planes with features and views, graph, keyframes
+// with images, poses, audit, the layers of panoramas and orientations. Lists come in pages. A
+// handler finds and renders. Thread-safe.
 class MapService {
  public:
-  // Both must outlive the service. Audits, what is found in pictures and smaller copies of them
-  // take a turn of the gate.
+  // Both must outlive the service. Audits, the analysis of pictures and smaller copies of them take
+  // a turn of the gate.
   MapService(MapSource& maps, QueryGate& gate) : maps_(maps), gate_(gate) {}
 
   // Adds the routes. The service must outlive the router's last request.

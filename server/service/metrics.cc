@@ -24,8 +24,8 @@ using prometheus::Histogram;
 
 constexpr double kSecondsPerMs = 1e-3;
 
-// Upper ends of the buckets: from an inspection to a query that waited long, and from one match to
-// a poster that fills the image.
+// Upper bounds of the buckets: from an inspection to a query that waited long, and from one match
+// to a poster that fills the image.
 const Histogram::BucketBoundaries& SecondsBuckets() {
   static const Histogram::BucketBoundaries buckets = {
       0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 10};
@@ -53,7 +53,7 @@ prometheus::Counter& AddCounter(prometheus::Registry& registry, const std::strin
   return BuildCounter().Name(name).Help(help).Register(registry).Add({});
 }
 
-// What is counted elsewhere.
+// Sets a metric to what is counted elsewhere.
 void SetTo(prometheus::Counter& counter, int64_t value) {
   counter.Increment(static_cast<double>(value) - counter.Value());
 }
@@ -61,22 +61,23 @@ void SetTo(prometheus::Gauge& gauge, int64_t value) { gauge.Set(static_cast<doub
 
 }  // namespace
 
-// What a server that serves from a registry has of it.
+// What a server of a registry holds.
 class RegistryMetrics {
  public:
   explicit RegistryMetrics(prometheus::Registry& registry)
       : up_(AddGauge(registry, "waystone_registry_up", "1 while the registry answers")),
         silent_(AddGauge(registry, "waystone_registry_silent_seconds",
                          "Seconds since the registry answered")),
-        memory_(AddGauge(registry, "waystone_map_memory_bytes", "What open maps count as")),
-        memory_limit_(
-            AddGauge(registry, "waystone_map_memory_limit_bytes", "What open maps may count as")),
+        memory_(AddGauge(registry, "waystone_map_memory_bytes",
+                         "Memory counted for open maps in bytes")),
+        memory_limit_(AddGauge(registry, "waystone_map_memory_limit_bytes",
+                               "Limit of the memory counted for open maps in bytes")),
         opens_(AddCounter(registry, "waystone_map_opens_total", "Maps opened")),
         closes_(AddCounter(registry, "waystone_map_closes_total",
                            "Maps closed to make room in memory")),
         files_(AddGauge(registry, "waystone_cache_files", "Map files in the cache")),
         bytes_(AddGauge(registry, "waystone_cache_bytes", "Bytes of the files in the cache")),
-        limit_(AddGauge(registry, "waystone_cache_limit_bytes", "What the cache may hold")),
+        limit_(AddGauge(registry, "waystone_cache_limit_bytes", "Limit of the bytes in the cache")),
         fetched_bytes_(AddCounter(registry, "waystone_fetched_bytes_total",
                                   "Bytes of the map files that were fetched")),
         fetches_(BuildCounter()
@@ -88,7 +89,7 @@ class RegistryMetrics {
         coarse_bytes_(AddGauge(registry, "waystone_coarse_bytes", "Memory of the coarse index")),
         coarse_missing_(BuildGauge()
                             .Name("waystone_coarse_missing")
-                            .Help("Maps that aren't in the coarse index by reason")
+                            .Help("Maps that aren't in the coarse index, by reason")
                             .Register(registry)),
         coarse_refused_(AddCounter(registry, "waystone_coarse_refused_total",
                                    "Coarse entries that couldn't be fetched or read")) {}
@@ -208,7 +209,7 @@ void Metrics::CountReload(bool good) {
 }
 
 std::string Metrics::Text(const QueryGate::Load& load, const Holdings& holdings) const {
-  // One at a time: what is set by the difference must not be set twice.
+  // One call at a time: a counter that is set by its difference must not be set twice.
   const std::lock_guard lock(impl_->setting);
   impl_->running.Set(load.running);
   impl_->waiting.Set(load.waiting);
@@ -222,7 +223,7 @@ std::string Metrics::Text(const QueryGate::Load& load, const Holdings& holdings)
   }
   impl_->memory.Set(ResidentBytes());
   std::ostringstream out;
-  out.exceptions(std::ios::badbit);  // for memory that runs out: it would be half a text
+  out.exceptions(std::ios::badbit);  // out of memory, the text would be cut off
   prometheus::TextSerializer().Serialize(out, impl_->registry.Collect());
   return out.str();
 }

@@ -19,7 +19,7 @@ namespace waystone {
 //   waystone_queries_running, waystone_queries_waiting      gauges
 //   waystone_reloads_total{result}, waystone_maps, waystone_maps_open,
 //   process_resident_memory_bytes
-// and of a registry that is served from:
+// and, for a server of a registry:
 //   waystone_registry_up, waystone_registry_silent_seconds
 //   waystone_map_memory_bytes, waystone_map_memory_limit_bytes
 //   waystone_map_opens_total, waystone_map_closes_total

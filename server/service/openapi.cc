@@ -42,7 +42,7 @@ std::string ParametersHtml(const Json& contract, const Json& owner) {
   std::string html;
   if (!owner.contains("parameters")) return html;
   for (const Json& given : owner["parameters"]) {
-    // A reference is '#' and the path of what it stands for in the contract.
+    // A reference is '#' and the path, in the contract, of what it stands for.
     const Json& parameter =
         given.contains("$ref")
             ? contract.at(Json::json_pointer(given["$ref"].get<std::string>().substr(1)))

@@ -3,7 +3,7 @@
 
 #include <string>
 
-// The contract of the HTTP API, clients/openapi.yaml, which is built into the program.
+// The contract of the HTTP API, clients/openapi.yaml, which is built into the program. Thread-safe.
 namespace waystone {
 
 // The contract as JSON.

@@ -10,8 +10,8 @@
 
 namespace waystone {
 
-// Lets `running` queries compute at once and `waiting` more wait for their turn, first come, first
-// served; the next one is turned away at once. Thread-safe.
+// Lets `running` queries compute at once, and `waiting` more wait for their turn in the order of
+// their arrival; the next one is turned away at once. Thread-safe.
 class QueryGate {
  public:
   using Clock = std::chrono::steady_clock;
@@ -37,8 +37,9 @@ class QueryGate {
     Clock::time_point start_ = Clock::now();
   };
 
-  // Waits for a turn. Throws BusyError when all seats are taken; it says when those who have one
-  // now will have had their turns, by how long turns took of late: 1 to 60 s.
+  // Waits for a turn. Throws BusyError when all seats are taken, with the time until those who have
+  // one now will have had their turns, by how long recent turns took: 1 to 60 s. Throws
+  // MapError(kNotReady) once the gate is closed.
   [[nodiscard]] Turn Enter();
   // The same, but nothing when the deadline passes first.
   [[nodiscard]] std::optional<Turn> Enter(const Deadline& deadline);
@@ -54,7 +55,7 @@ class QueryGate {
   Load load() const;
 
  private:
-  // Of one who waits.
+  // The place of a query that waits.
   struct Place {
     std::condition_variable changed;
     bool called = false;  // has a turn
@@ -70,7 +71,7 @@ class QueryGate {
   int seats_;
   std::list<Place> waiting_;  // in the order of their coming
   bool closed_ = false;
-  double turn_s_ = 0;  // how long turns took of late, the last ones more; 0 before the first
+  double turn_s_ = 0;  // how long recent turns took, the last ones count more; 0 before the first
 };
 
 }  // namespace waystone

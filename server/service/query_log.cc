@@ -44,7 +44,7 @@ double SecondsSinceEpoch() {
 int64_t BytesIn(const fs::path& folder) {
   int64_t bytes = 0;
   for (const std::string& name : FolderEntries(folder)) {
-    std::error_code ignored;  // of a link that leads nowhere
+    std::error_code ignored;  // of a dangling link
     const fs::path file = folder / name;
     if (fs::is_regular_file(file, ignored)) {
       bytes += static_cast<int64_t>(fs::file_size(file, ignored));
@@ -53,9 +53,9 @@ int64_t BytesIn(const fs::path& folder) {
   return bytes;
 }
 
-// Makes the folder for its owner alone, from its first moment on.
+// Creates the folder, accessible to its owner only from the first moment.
 void MakePrivateFolder(const fs::path& folder) {
-  std::error_code ignored;  // what can't be made can't be written to either
+  std::error_code ignored;  // what can't be created can't be written to either
   const fs::path whole = fs::absolute(folder).lexically_normal();
   const fs::path path = whole.has_filename() ? whole : whole.parent_path();
   fs::create_directories(path.parent_path(), ignored);
@@ -64,8 +64,8 @@ void MakePrivateFolder(const fs::path& folder) {
 
 constexpr mode_t kOwner = S_IRUSR | S_IWUSR;
 
-// Opens a file that its owner alone may read and write, whatever the umask and the folder's rights;
-// none through a link that somebody else put there.
+// Opens a file that only its owner may read and write, whatever the umask and the folder's
+// permissions; not through a link that somebody else put there.
 FileDescriptor OpenPrivate(const fs::path& path, int flags) {
   FileDescriptor file(open(path.c_str(), O_CREAT | O_CLOEXEC | O_NOFOLLOW | flags, kOwner));
   if (file.is_open() && fchmod(file.get(), kOwner) != 0) file.Close();
@@ -84,7 +84,7 @@ bool WriteAll(const FileDescriptor& file, std::string_view bytes) {
 
 constexpr const char* kPartName = ".part-";  // of images that are being written
 
-// What a program that was killed left of images.
+// Removes what a killed program left of images.
 void RemoveParts(const fs::path& folder) {
   for (const std::string& name : FolderEntries(folder)) {
     std::error_code ignored;
@@ -92,8 +92,8 @@ void RemoveParts(const fs::path& folder) {
   }
 }
 
-// Takes back the part of a line that a program that was killed wrote: the next line would be glued
-// to it, and nobody can ask it again.
+// Removes the part of a line that a killed program wrote: the next line would be appended to it,
+// and its query can't be asked again.
 bool RemoveTornLine(const fs::path& path) {
   const FileDescriptor file = OpenPrivate(path, O_RDWR);
   struct stat status = {};
@@ -106,7 +106,7 @@ bool RemoveTornLine(const fs::path& path) {
   return end == status.st_size || ftruncate(file.get(), end) == 0;
 }
 
-// All of the line or nothing: the next one would be glued to a part.
+// Appends the whole line or nothing: the next one would be appended to a part.
 void AppendLine(const fs::path& path, std::string_view line) {
   const FileDescriptor file = OpenPrivate(path, O_WRONLY | O_APPEND);
   struct stat before = {};
@@ -115,14 +115,14 @@ void AppendLine(const fs::path& path, std::string_view line) {
   }
   if (WriteAll(file, line)) return;
   const int cause = errno;
-  // What a disk that was just full doesn't even take back, nobody can help.
+  // If even this fails on a disk that was just full, nothing can be done.
   [[maybe_unused]] const int undone = ftruncate(file.get(), before.st_size);
   throw UnwritableError(path, std::strerror(cause), std::ssize(line));
 }
 
 }  // namespace
 
-// Images that a query brought to the folder: they go again unless its line is written.
+// Images that a query added to the folder: removed unless its line is written.
 class QueryLog::NewImages {
  public:
   explicit NewImages(size_t most) { paths_.reserve(most); }

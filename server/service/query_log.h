@@ -14,18 +14,19 @@
 
 namespace waystone {
 
-// Writes what was asked, for asking it again (api/logged_query.h has the format). Thread-safe. The
-// folder holds photos of people's rooms: it and its files are made for their owner alone, whatever
-// the umask. Images are written whole or not at all, and so are lines: what a program that was
-// killed left of either is removed.
+// Logs queries, so that they can be asked again (api/logged_query.h has the format). The folder
+// holds photos of people's rooms: only their owner can read it and its files, whatever the umask.
+// Images and lines are written whole or not at all: what a program that was killed left of either
+// is removed. Thread-safe.
 class QueryLog {
  public:
-  // Makes the folder. Writes nothing more once it holds `max_bytes`; `on_error` hears of that and
-  // of files that can't be written. Throws MapError(kFileUnwritable).
+  // Creates the folder. Writes nothing more once it holds `max_bytes`; `on_error` gets a line for
+  // that and for files that can't be written, from any thread. Throws MapError(kFileUnwritable).
   QueryLog(std::filesystem::path folder, int64_t max_bytes,
            std::function<void(const std::string&)> on_error);
 
-  // A query of which a part can't be written is left out, with what of it was written before.
+  // Leaves out a query of which a part can't be written, and removes what was already written of
+  // it.
   void Add(const std::string& id, const Json& map, const QueryRequest& request, const Json& answer);
 
  private:

@@ -26,8 +26,8 @@ class ServedMap {
   const std::shared_ptr<const MapIndex>& shared_index() const { return index_; }
   const std::string& version() const { return index_->map().info.version; }
   const Json& summary() const { return summary_; }  // MapJson: lists of maps have it of each
-  // The first one who asks computes it, for seconds and on all cores, in a query's turn. Throws
-  // what QueryGate::Enter throws, and BusyError to who asks meanwhile: waiting would take a thread.
+  // Computed for the first caller, for seconds and on all cores, in a query's turn. Throws what
+  // QueryGate::Enter throws, and BusyError to callers meanwhile: waiting would take a thread.
   const AuditReport& Audit(QueryGate& gate) const;
 
  private:
@@ -39,8 +39,8 @@ class ServedMap {
   mutable std::shared_ptr<const AuditReport> audit_;
 };
 
-// Reads a map file and makes it ready for queries of every kind: none has to wait, in its turn, for
-// an index that another makes. Throws as ReadMap does.
+// Reads a map file and makes it ready for queries of every kind, so that none has to wait, in its
+// turn, for an index that another query makes. Throws as ReadMap does. Thread-safe.
 std::shared_ptr<const MapIndex> OpenForServing(const std::filesystem::path& file);
 
 }  // namespace waystone

@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kJpegQuality = 80;  // of copies for people
 
-// Maps are strangers' files. Builds store pictures of at most 4096 px in width; as upright photos
-// (3:4) these have 22 megapixels. They are WebP, and before that were baseline JPEG: one in several
-// scans is none of ours, but may be as large as the usual 12 megapixels.
+// Maps are strangers' files. Builds store pictures of at most 4096 px in width; upright photos
+// (3:4) then have 22 megapixels. They are WebP, and used to be baseline JPEG: one in several scans
+// isn't ours, but may be as large as the usual 12 megapixels.
 DecodeLimits StoredLimits() {
   DecodeLimits limits;
   limits.max_pixels = 24'000'000;
@@ -35,7 +35,7 @@ cv::Mat DecodeStored(const std::vector<uint8_t>& picture) {
   throw MapError(ErrorCode::kNotAvailable,
                  "the map's picture of " + std::to_string(header.width) + "x" +
                      std::to_string(header.height) + " px and " + std::to_string(picture.size()) +
-                     " bytes takes too much to be made smaller; ask for it without width");
+                     " bytes takes too much memory to resize; request it without width");
 }
 
 }  // namespace

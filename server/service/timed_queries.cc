@@ -16,7 +16,7 @@ void TimedQueries::Enter() {
 void TimedQueries::Leave() {
   const std::lock_guard lock(mutex_);
   --computing_;
-  changed_.notify_all();  // with the lock held: the destructor ends what is notified
+  changed_.notify_all();  // with the lock held: the destructor may destroy it right after
 }
 
 RequestAnswer TimedQueries::Ask(const std::shared_ptr<const Session>& session,

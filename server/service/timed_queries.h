@@ -18,10 +18,10 @@
 
 namespace waystone {
 
-// Keeps the deadlines of queries. A query looks at its deadline between its stages; the longest
-// ones (decoding, features) can't be interrupted, so a query with a deadline computes in a thread
-// of its own, which nobody waits for any longer once the deadline has passed. Such a query keeps
-// its turn until it ends, so that no more queries compute at once than may. Thread-safe.
+// Keeps the deadlines of queries. A query checks its deadline between its stages; the longest ones
+// (decoding, features) can't be interrupted, so a query with a deadline computes in a thread of its
+// own, which nobody waits for any longer once the deadline has passed. Such a query keeps its turn
+// until it ends, so that no more queries compute at once than may. Thread-safe.
 class TimedQueries {
  public:
   TimedQueries() = default;
@@ -29,12 +29,12 @@ class TimedQueries {
   TimedQueries(const TimedQueries&) = delete;
   TimedQueries& operator=(const TimedQueries&) = delete;
 
-  // The session's answer, at most 25 ms after its deadline: from then on that of a query that ran
-  // out of time. Throws what Session::Ask throws.
+  // The session's answer, or from 25 ms after its deadline on the answer of a query that ran out of
+  // time. Throws what Session::Ask throws.
   RequestAnswer Ask(const std::shared_ptr<const Session>& session, QueryGate::Turn turn);
 
-  // What a function returns, or nothing from 25 ms after the deadline on. It goes on by itself
-  // then, and keeps its turn. Throws what it throws.
+  // What `compute` returns, or nothing from 25 ms after the deadline on; it then goes on in its own
+  // thread, and keeps its turn. Throws what it throws.
   template <class Result>
   std::optional<Result> Run(const QueryGate::Deadline& deadline, QueryGate::Turn turn,
                             std::function<Result()> compute) {
@@ -63,7 +63,7 @@ class TimedQueries {
   }
 
  private:
-  // For a query that notices its deadline itself: its answer says more.
+  // For a query that notices its deadline itself, whose answer says more.
   static constexpr std::chrono::milliseconds kGrace{25};
 
   void Enter();

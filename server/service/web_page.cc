@@ -10,15 +10,15 @@
 namespace waystone {
 namespace {
 
-// Scripts, styles and data from here alone; pictures from here, of files that the user chose or
-// that were fetched with a token (blob:, which the viewer of panoramas fetches again) and small
+// Scripts, styles and data only from here; pictures from here, from files that the user chose or
+// that were fetched with a token (blob:, which the viewer of panoramas fetches again), and small
 // ones in style sheets (data:). Styles that scripts set one by one need no permission.
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; worker-src 'self'; "
     "connect-src 'self' blob:; img-src 'self' blob: data:; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'";
 
-// Whether gzip is among the encodings that the client takes, and not with the weight 0.
+// Whether the client accepts gzip, with a weight other than 0.
 bool TakesGzip(const HttpRequest& request) {
   static const std::regex gzip(R"((^|[,\s])gzip\s*(;\s*q=(0\.0*[1-9]|1)[0-9.]*)?\s*(,|$))",
                                std::regex::icase);

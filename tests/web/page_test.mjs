@@ -315,7 +315,7 @@ async function testNamesakes() {
     await page.getByRole("button", { name: "Add" }).click();
   };
   await name("1", "3", "Both");
-  await page.locator(".failure", { hasText: "are of different sequences" }).waitFor();
+  await page.locator(".failure", { hasText: "belong to different sequences" }).waitFor();
   await name("1", "2", "Second");
   await page.locator(".names tbody tr").nth(1).waitFor();
   await name("3", "3", "First");
@@ -433,7 +433,7 @@ async function testLandmarks() {
     await route.fulfill(json({ ...keyframe, planes: [], landmarks }));
   });
   await page.goto(`${url}/#/room/keyframes/1`);
-  await page.getByText("the keyframe is recognized by its 12 landmarks").waitFor();
+  await page.getByText("the keyframe is recognised by its 12 landmarks").waitFor();
   landmarks = 0;
   await go(page, "keyframes/2", "Keyframe 2");
   await page.getByText("a query from here can’t be localized").waitFor();
@@ -469,7 +469,7 @@ async function testSessions() {
   });
   await page.goto(`${url}/#/room/layers`);
   await page.getByRole("heading", { name: "Sessions" }).waitFor();
-  await page.getByText("2 parts that show nothing in common").waitFor();
+  await page.getByText("2 parts that have no views in common").waitFor();
   const rows = page.locator("section", { hasText: "Built with" }).locator("tbody tr");
   assert.match(await rows.nth(0).innerText(), /^morning\s.*\(1\)\s12\s0\s0 to 61\.3\swaystone 0\.1\.0\ssha256:abababab$/);
   assert.match(await rows.nth(1).innerText(), /^evening <&>\s.*\s0\s34\s.*added walk$/);
@@ -500,7 +500,7 @@ async function testJobs() {
   await page.getByRole("heading", { level: 1, name: "Jobs" }).waitFor();
   const rows = page.locator("tbody tr");
   await rows.nth(2).waitFor();
-  assert.match(await rows.nth(0).innerText(), /^3\s+hall\s+queued\s+not begun\s+\/data\/lab <walk>/);
+  assert.match(await rows.nth(0).innerText(), /^3\s+hall\s+queued\s+not started\s+\/data\/lab <walk>/);
   assert.match(await rows.nth(1).innerText(), /running\s+host:7: part 2, frames\s+1,000 of 4,000 frames, 1 of 2 parts/);
   assert.equal(await rows.nth(1).locator("progress").evaluate((bar) => bar.position), 0.25);
   assert.match(await rows.nth(2).innerText(), /failed\s+no plane or landmark found/);

@@ -184,9 +184,9 @@ function Planes(props: {
   select: (id: number) => void;
 }) {
   return (
-    <div class="scroll" tabIndex={0} role="region" aria-label="Recognized planes">
+    <div class="scroll" tabIndex={0} role="region" aria-label="Recognised planes">
       <table>
-        <caption>Recognized planes; select one to see its inliers</caption>
+        <caption>Recognised planes; select one to see its inliers</caption>
         <thead>
           <tr>
             <th>Show</th><th>Plane</th><th class="number">Inliers</th><th>Reference keyframe</th><th>Neighbours</th>
@@ -269,8 +269,8 @@ function LandmarksFound(props: { map: string; query: Query; matched: ExplainedKe
         colour={colourOf(0)}
       />
       <p>
-        No plane was recognized: the place is known by {counted(matched.inliers, "inlier")} of one
-        epipolar geometry, of {matched.expected} features that the query image should show.
+        No plane was recognised: the place was found by {counted(matched.inliers, "inlier")} of a single
+        epipolar geometry, out of {matched.expected} features that the query image should show.
       </p>
     </>
   );
@@ -316,7 +316,7 @@ export function AskView({ map, query, setQuery }: ViewProps) {
           {map.keyframes > 0
             ? `The photo is matched against ${map.planes.toLocaleString("en")} mapped planes (flat surfaces such
               as walls and posters) and the features of ${map.keyframes.toLocaleString("en")} keyframes.`
-            : "This map holds panoramas: choose an equirectangular image, twice as wide as high."}{" "}
+            : "This map contains panoramas: choose an equirectangular image, twice as wide as it is high."}{" "}
           It is sent to this server only, which doesn’t store it unless its query log is enabled.
         </p>
       )}

@@ -149,7 +149,7 @@ export function CoverageView({ map }: ViewProps) {
       <h1>Coverage</h1>
       <Profile map={map.name} overview={overview.value} audit={audit.value} />
       {audit.error && <Failure error={audit.error} />}
-      {!audit.value && !audit.error && <Waiting what="the audit (every plane is matched as a query)" />}
+      {!audit.value && !audit.error && <Waiting what="the audit (every plane is matched like a query)" />}
       {audit.value && (
         <>
           <WeakRuns map={map} audit={audit.value} />

@@ -11,7 +11,7 @@ const whenOf = (time: string | null) =>
   time === null ? "" : new Date(time).toLocaleString("en", { dateStyle: "medium", timeStyle: "short" });
 
 function Progress({ job }: { job: Job }) {
-  if (job.frames === null) return <>not begun</>;
+  if (job.frames === null) return <>not started</>;
   const done = Math.min(job.frames_done, job.frames);
   const parts = job.parts > 1 ? `, ${job.parts_done} of ${counted(job.parts, "part")}` : "";
   return (
@@ -93,7 +93,7 @@ export function JobsView() {
       {!jobs && !error && <Waiting what="the jobs" />}
       {jobs && jobs.length > 0 && <Table jobs={jobs} />}
       {jobs?.length === 0 && (
-        <p class="missing">No jobs. <code>waystone enqueue</code> has a map built by a worker (<code>waystone work</code>).</p>
+        <p class="missing">No jobs. <code>waystone enqueue</code> queues a map for a worker (<code>waystone work</code>) to build.</p>
       )}
     </>
   );

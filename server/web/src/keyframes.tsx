@@ -64,7 +64,7 @@ const cameraOf = (map: MapSummary, keyframe: Keyframe) =>
   map.sequences.find((s) => s.id === keyframe.sequence_id)?.camera ?? null;
 
 const withoutPlanes = (landmarks: number) => landmarks > 0
-  ? `No mapped plane is in view: the keyframe is recognized by its ${counted(landmarks, "landmark")}.`
+  ? `No mapped plane is in view: the keyframe is recognised by its ${counted(landmarks, "landmark")}.`
   : "No mapped plane is in view, and the keyframe has no landmarks: a query from here can’t be localized.";
 
 function Show({ map, id }: { map: MapSummary; id: number }) {
@@ -151,7 +151,7 @@ export function KeyframesView({ map, route }: ViewProps) {
         <h1>Keyframes</h1>
         {map.keyframes > 0 ? (
           <>
-            <p class="quiet">Each with the number of planes in view and their inliers.</p>
+            <p class="quiet">Each keyframe with the number of planes in view and their inliers.</p>
             <Grid map={map} overview={overview.value} />
           </>
         ) : <p class="missing">This map has no keyframes.</p>}

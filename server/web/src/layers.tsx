@@ -52,7 +52,7 @@ function Arcs({ overview, found }: { overview: Overview; found: Revisit[] }) {
   };
   return (
     <svg class="plot" viewBox={`0 0 ${kArcWidth} ${kArcHeight}`} role="img"
-      aria-label={`${n} keyframes in order and ${found.length} arcs between observations of one plane`}>
+      aria-label={`${n} keyframes in order and ${found.length} arcs between observations of the same plane`}>
       {found.map((r, i) => <path key={i} class="arc" d={arc(r)} />)}
       {begins.map((i) => <path key={`b${i}`} class="break" d={`M ${(x(i - 1) + x(i)) / 2} ${base - 9} v 18`} />)}
       {stretch.map((s, i) => (
@@ -71,8 +71,8 @@ function SeenAgain({ map, overview }: { map: string; overview: Overview }) {
     <section>
       <h2>Revisits (plane layer)</h2>
       <p class="quiet">
-        A plane seen again after {kFewSteps} or more keyframes connects two passes through one place.
-        Keyframes are drawn in their order, not at their places; strokes between them separate stretches.
+        A plane seen again after {kFewSteps} or more keyframes connects two passes through the same
+        place. Keyframes are drawn in order, not at their positions; strokes between them separate stretches.
       </p>
       {found.length > 0 && <Arcs overview={overview} found={found} />}
       {found.length === 0

@@ -29,7 +29,7 @@ export function LineWords({ lines }: { lines: DirectedLines }) {
       <span class="key z">{count("z")} vertical</span>; {counted(count(null), "line")} along no axis.{" "}
       {lines.of === "frame"
         ? "The axes are those of the map."
-        : lines.reliable ? "The axes were estimated in this image alone." : "The axes of this image are not reliable."}
+        : lines.reliable ? "The axes were estimated from this image alone." : "The axes of this image are not reliable."}
     </figcaption>
   );
 }

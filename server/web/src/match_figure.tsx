@@ -47,7 +47,7 @@ export function MatchFigure(props: {
       <figcaption>
         Query image and keyframe <KeyframeLink map={map} id={candidate.reference} />
         {candidate.plane !== undefined && <>, the reference of plane {candidate.plane}</>}. Each line
-        joins an inlier in both.
+        connects an inlier in the two images.
       </figcaption>
     </figure>
   );

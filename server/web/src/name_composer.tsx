@@ -36,7 +36,7 @@ function sequenceRef({ sequences }: MapSummary, { sequence, sequence_id }: Taken
 // different sequences.
 function rangeOf(map: MapSummary, first: Taken, last: Taken): ImageRange {
   if (first.sequence_id !== last.sequence_id) {
-    throw new Error(`${first.source} and ${last.source} are of different sequences; name them one after the other`);
+    throw new Error(`${first.source} and ${last.source} belong to different sequences; add them one after the other`);
   }
   const [a, b] = first.frame <= last.frame ? [first, last] : [last, first];
   return { ...sequenceRef(map, a), first: imageOf(a), last: imageOf(b) };
@@ -61,8 +61,8 @@ function withPart(places: NamesFilePlace[], name: string, kind: Kind, part: Part
 
 function problemOf(name: string): string | null {
   if (name === "") return "Enter a name.";
-  if (new TextEncoder().encode(name).length > kMaxBytes) return `A name has at most ${kMaxBytes} bytes.`;
-  if (/[\p{Cc}\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/u.test(name)) return "A name has no control characters.";
+  if (new TextEncoder().encode(name).length > kMaxBytes) return `A name may have at most ${kMaxBytes} bytes.`;
+  if (/[\p{Cc}\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/u.test(name)) return "A name must not contain control characters.";
   return null;
 }
 
@@ -76,7 +76,7 @@ async function loadPlane(map: MapSummary, id: number): Promise<PlaneInImage> {
 
 function planeParts(map: MapSummary, text: string, known: number[]): Promise<PlaneInImage[]> {
   const ids = idsIn(text);
-  if (!ids?.length) throw new Error("Give ids of planes, such as 3, 5.");
+  if (!ids?.length) throw new Error("Enter plane ids, such as 3, 5.");
   const unknown = ids.find((id) => !known.includes(id));
   if (unknown !== undefined) throw new Error(`The map has no plane ${unknown}.`);
   return Promise.all(ids.map((id) => loadPlane(map, id)));
@@ -84,9 +84,9 @@ function planeParts(map: MapSummary, text: string, known: number[]): Promise<Pla
 
 function areaPart(text: string, { plans: _, ...frame }: FloorPlans): NamedArea {
   const corners = cornersIn(text);
-  if (!corners) throw new Error("Give corners as x,y separated by blanks, such as 0,0 4.5,0 4.5,3.");
-  if (corners.length < 3) throw new Error("An area has three corners or more.");
-  if (!(areaOf(corners) > 0)) throw new Error("The corners are on one line.");
+  if (!corners) throw new Error("Enter corners as x,y, separated by spaces, such as 0,0 4.5,0 4.5,3.");
+  if (corners.length < 3) throw new Error("An area needs at least three corners.");
+  if (!(areaOf(corners) > 0)) throw new Error("The corners lie on one line.");
   return { ...frame, corners };
 }
 

@@ -32,7 +32,7 @@ function Places({ places, remove }: { places: NamesFilePlace[]; remove: (name: s
   return (
     <div class="scroll" tabIndex={0} role="region" aria-label="Named places">
       <table class="names">
-        <thead><tr><th>Name</th><th>Made of</th><th>Remove</th></tr></thead>
+        <thead><tr><th>Name</th><th>Consists of</th><th>Remove</th></tr></thead>
         <tbody>
           {places.map((place) => (
             <tr key={place.name}>
@@ -59,8 +59,8 @@ function Download({ map, file }: { map: string; file: NamesFile }) {
     <>
       <p><a class="button" href={address ?? "#"} download={name}>Download {name}</a></p>
       <p class="quiet">
-        Then, where the map is: <code>waystone name {shellWord(`${map}.db`)} --from {shellWord(name)}</code>. Places that the file doesn’t
-        have stay; <code>--remove NAME</code> removes one.
+        Then, on the machine with the map: <code>waystone name {shellWord(`${map}.db`)} --from {shellWord(name)}</code>. Places
+        that aren’t in the file are kept; <code>--remove NAME</code> removes one.
       </p>
     </>
   );
@@ -68,7 +68,7 @@ function Download({ map, file }: { map: string; file: NamesFile }) {
 
 const kHelp: Partial<Record<Kind, string>> = {
   planes: "Click on planes to choose them, or enter their ids.",
-  polygons: "Click on the corners of the area in their order, or enter them.",
+  polygons: "Click on the corners of the area in order, or enter them.",
 };
 
 // The map from above, where planes and corners are chosen.
@@ -109,7 +109,7 @@ function AboveFigure(props: {
         compose={opens ? undefined : compose} />
       <PlanChooser plans={plans.plans} plan={plan} choose={choose} />
       <figcaption>
-        {kHelp[draft.kind]} {corners.length > 2 && `The area holds ${counted(held, noun)}.`}
+        {kHelp[draft.kind]} {corners.length > 2 && `The area contains ${counted(held, noun)}.`}
       </figcaption>
     </figure>
   );
@@ -156,9 +156,9 @@ export function NamesView({ map, route }: ViewProps) {
   return (
     <>
       <h1>Named places</h1>
-      <p class="quiet">Answers carry the name of the place where a photo was taken.</p>
+      <p class="quiet">Answers include the name of the place where a photo was taken.</p>
       <Places places={places} remove={(name) => edit(places.filter((p) => p.name !== name))} />
-      <h2>Name another</h2>
+      <h2>Name another place</h2>
       <Composer map={map} kinds={(Object.keys(kNouns) as Kind[]).filter((k) => has[k])} planes={known}
         plans={plans.value} places={places} draft={draft} setDraft={setDraft} setPlaces={edit} />
       {draft.kind === "planes" &&

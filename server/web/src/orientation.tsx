@@ -72,7 +72,7 @@ function Plots(props: { layer: Orientation; stretch: Stretch; row: number; choos
     <section>
       <h2>Heading and lines</h2>
       <p class="legend">
-        <Sign colour="var(--accent)" shape="circle">heading, 0° along the map’s x and 90° along its y</Sign>
+        <Sign colour="var(--accent)" shape="circle">heading: 0° along the map’s x axis, 90° along its y axis</Sign>
         <Sign colour="var(--quiet)" shape="ring">not reliable</Sign>
         <Sign colour="var(--weak)">corridor</Sign>
         <Sign colour="var(--red)" shape="line">turn</Sign>
@@ -214,7 +214,7 @@ function Lists({ map, layer }: { map: string; layer: Orientation }) {
         heads={["Corridor", "Axis", "Frames"]}
         rows={layer.corridors.map((c) => [c.id, c.axis, <>{link(c.first)} to {link(c.last)}</>])}
         none={layer.corridors_unknown.length > 0
-          ? "Unknown: corridors can be told from rooms only by rigs and panoramas, which see all around."
+          ? "Unknown: corridors can be distinguished from rooms only with rigs and panoramas, which cover the full circle."
           : "No corridors."}
       />
       <Table

@@ -17,9 +17,9 @@ const kRows = 50; // of the table, at first
 function Legend({ planes, surfaces }: { planes: number; surfaces: number }) {
   return (
     <p class="legend">
-      {counted(planes, "plane")} on {counted(surfaces, "surface")}. Each node is a surface, such as a wall, and named by
-      the first of the planes that are its parts. Size: number of features. Edges: surfaces seen together. A surface has
-      the same colour in all keyframes.
+      {counted(planes, "plane")} on {counted(surfaces, "surface")}. Each node is a surface, such as a wall, named after
+      the first of its planes. Size: number of features. Edges: surfaces seen together. A surface has the same colour in
+      all keyframes.
     </p>
   );
 }
@@ -120,7 +120,7 @@ function PlanePanel({ map, id, siblings }: { map: string; id: number; siblings: 
           ["Views", views.length],
           ["Surface", siblings.length > 0
             ? <>{surface}, with <PlaneLinks map={map} ids={siblings} /></>
-            : `${surface}, of this plane alone`],
+            : `${surface}, this plane only`],
           ["Neighbours", <PlaneLinks map={map} ids={neighbours} />],
         ]}
       />

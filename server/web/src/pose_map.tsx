@@ -247,7 +247,7 @@ export function PoseMap(props: {
   layer: PoseLayer;
   overview: Overview | null; // null: without the paths from keyframe to keyframe
   pose: Pose | null; // of the query
-  colours: Map<number, string>; // of recognized planes
+  colours: Map<number, string>; // of recognised planes
   plan: FloorPlan | null;
   areas: Area[];
   compose?: Compose;
@@ -292,7 +292,7 @@ export function PoseMap(props: {
 
 function noiseInWords({ noise, unit }: PoseLayer): string {
   const { position_deviation: position, rotation_deviation_rad: rotation } = noise;
-  if (position === null && rotation === null) return "No noise of the given poses was measured.";
+  if (position === null && rotation === null) return "The noise of the given poses was not measured.";
   const parts = [
     position === null ? [] : [`${Number(position.toPrecision(2))} ${unitOf(unit)}`],
     rotation === null ? [] : [degrees(rotation, 2)],
@@ -305,9 +305,9 @@ function Legend({ layer, pose }: { layer: PoseLayer; pose: Pose | null }) {
   return (
     <figcaption>
       <Swatch colour="var(--text)" shape="circle" />{imagesOf(layer, "keyframe").join(" (dots) and ")}{" "}
-      <Swatch colour="var(--accent)" shape="line" />{counted(placed, "plane")}{pose && ", the recognized ones bold"}
-      {pose && <>{" "}<Swatch colour="var(--red)" shape="circle" />query with its arrow and 2σ ellipse</>}. Seen from above in the frame
-      “{layer.frame}”{layer.up === null && ", along its z axis since the images don’t tell what is up"}.{" "}
+      <Swatch colour="var(--accent)" shape="line" />{counted(placed, "plane")}{pose && ", recognised ones in bold"}
+      {pose && <>{" "}<Swatch colour="var(--red)" shape="circle" />query, with an arrow and a 2σ ellipse</>}. Seen from above in the frame
+      “{layer.frame}”{layer.up === null && ", along its z axis, since the images don’t show which way is up"}.{" "}
       {noiseInWords(layer)}
     </figcaption>
   );

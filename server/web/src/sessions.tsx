@@ -20,7 +20,7 @@ export function Sessions({ map }: { map: MapSummary }) {
       <h2>Sessions</h2>
       {map.parts.length > 1 && (
         <p class="failure" role="note">
-          The map has {counted(map.parts.length, "part")} that show nothing in common; add a walk that leads from
+          The map has {counted(map.parts.length, "part")} that have no views in common; add a walk that leads from
           one to another: {map.parts.map((part) => namesOf(map, part)).join(" · ")}.
         </p>
       )}

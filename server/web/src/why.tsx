@@ -37,8 +37,8 @@ function Places({ map, why }: { map: string; why: Explanation }) {
     <div class="scroll" tabIndex={0} role="region" aria-label="Places">
       <table>
         <caption>
-          Places: groups of planes that agree on one position. The best place requires a probability
-          of {percent(why.gates.min_probability)}.
+          Places: groups of planes that agree on one position. The best place must have a
+          probability of at least {percent(why.gates.min_probability)}.
         </caption>
         <thead>
           <tr>
@@ -76,11 +76,11 @@ function Keyframes(props: {
     <div class="scroll" tabIndex={0} role="region" aria-label="Keyframes">
       <table>
         <caption>
-          Keyframes, verified by all matches under one epipolar geometry. Expected are the features
-          of the keyframe that the inliers put inside the query image: where few of them are found,
-          the place only looks alike. A corner gives several features, which count as one
-          independent inlier; a few independent inliers may fit by chance. Coverage is the share of
-          the query image near an inlier.
+          Keyframes, verified by all matches under one epipolar geometry. Expected is the number of
+          features of the keyframe that, according to the inliers, lie inside the query image: if
+          few of them are found, the place merely looks similar. A corner gives several features,
+          which count as one independent inlier; a few independent inliers may fit by chance.
+          Coverage is the share of the query image near an inlier.
         </caption>
         <thead>
           <tr>
@@ -269,7 +269,7 @@ function Advice({ answer }: { answer: Query["answer"] }) {
     <section>
       <h2>How to improve it</h2>
       {answer.verdict === "ambiguous"
-        ? <p>Take a photo from a few steps aside that includes something unique to one of the places.</p>
+        ? <p>Take a photo from a few steps to the side that includes something unique to one of the places.</p>
         : <Facts rows={general} />}
     </section>
   );

@@ -104,11 +104,11 @@ export function decisionInWords(answer: Answer): string {
         ? `The best place has a probability of ${probabilityText(answer.probability)}; at least ${need} is required.`
         : "No mapped plane fits the image well enough.";
     case "epipolar_inliers":
-      return `One epipolar geometry fits the matches with a keyframe. Probability ${probabilityText(answer.probability)}; at least ${need} is required.`;
+      return `A single epipolar geometry fits the matches with a keyframe. The probability is ${probabilityText(answer.probability)}; at least ${need} is required.`;
     case "place_probability":
       return `The best place has a probability of only ${probabilityText(answer.probability)}; at least ${need} is required.`;
     case "ambiguous_places":
-      return `Another place matches, too. Beside it, the best one’s probability is ${probabilityText(answer.probability)}.`;
+      return `Another place matches, too, which leaves the best one with a probability of ${probabilityText(answer.probability)}.`;
     case "shortlist_votes":
       return "No mapped plane has similar features.";
     case "features":
