@@ -30,12 +30,12 @@ constexpr double kUsualColumns = 0.98;     // share of the columns whose differe
 // other images can name their mirror (PanoramaOptions::mirror).
 constexpr int kCoarseSide_px = 96;  // the first of the sides that are searched
 constexpr int kAngles = 90;         // around a circle: one to four pixels apart at the coarse side
-constexpr double kReach_share = 0.2;      // of the side: how far its centre lies from the image's
-constexpr double kMinOuter_share = 0.2;   // of the side: a smaller mirror wastes most of the image
-constexpr double kMaxOuter_share = 0.52;  // touches the image's edges, a little cut off
-constexpr double kMaxInner_share = 0.5;   // of the outer radius: more leaves a ring without a view
+constexpr double kReach_share = 0.2;       // of the side: how far its centre lies from the image's
+constexpr double kMinOuter_share = 0.2;    // of the side: a smaller mirror wastes most of the image
+constexpr double kMaxOuter_share = 0.52;   // touches the image's edges, a little cut off
+constexpr double kMinUniform_share = 0.8;  // of the circumference: see UniformOutside
+constexpr double kMaxInner_share = 0.5;    // of the outer radius: more leaves a ring without a view
 constexpr double kMinInner_share = 0.08;  // of the outer radius: the camera's own picture is larger
-constexpr double kMinUniform = 0.8;       // share of the circumference, see UniformOutside
 constexpr double kUsualInner_share = 0.25;  // of the outer radius, where no inner edge is found
 
 [[noreturn]] void RefusePanorama(const std::string& message) {
@@ -163,8 +163,8 @@ Circle FindCircle(const cv::Mat& grey) {
   return circle;
 }
 
-// The share of a circle's circumference just outside which the image has one brightness. A mirror
-// is mounted in front of something dark; around a circle in a photo the scene goes on.
+// The share of a circle's circumference just outside which the image has nearly one brightness. A
+// mirror is mounted in front of something dark; around a circle in a photo the scene goes on.
 double UniformOutside(const cv::Mat& grey, const Circle& circle) {
   constexpr double kNear = 12;  // grey levels
   std::vector<double> values;
@@ -277,13 +277,14 @@ MirrorRing FindMirror(const cv::Mat& grey, const PanoramaOptions& options) {
   const Circle outer = FindCircle(grey);
   const bool stands_out = outer.contrast >= options.min_mirror_contrast;
   const double uniform = stands_out ? UniformOutside(grey, outer) : 0;
-  if (uniform < kMinUniform) {
+  if (uniform < kMinUniform_share) {
     const std::string cause =
-        stands_out ? "around its best circle only " + std::to_string(cvRound(100 * uniform)) +
-                         " % of the image have one brightness, less than " +
-                         std::to_string(cvRound(100 * kMinUniform)) + " %"
-                   : "its best circle has a contrast of " + Rounded(outer.contrast) +
-                         ", less than " + Rounded(options.min_mirror_contrast);
+        stands_out
+            ? "only " + std::to_string(cvRound(100 * uniform)) +
+                  " % of what surrounds its best circle has nearly one brightness, less than " +
+                  std::to_string(cvRound(100 * kMinUniform_share)) + " %"
+            : "its best circle has a contrast of " + Rounded(outer.contrast) + ", less than " +
+                  Rounded(options.min_mirror_contrast);
     RefusePanorama("the image of " + SizeOf(grey) +
                    " pixels is neither a panorama (twice as wide as high) nor a mirror image (" +
                    cause +

@@ -150,7 +150,7 @@ TEST(FindMirror, ABrightDiscInAPhotoIsNoMirror) {
       cv::rectangle(photo, {corner, size}, random.uniform(0, 200), cv::FILLED);
     }
     cv::circle(photo, {320 + 5 * i, 240}, 120 + 10 * i, 230, cv::FILLED);
-    EXPECT_NE(RefusalOf(photo).find("% of the image have one brightness"), std::string::npos)
+    EXPECT_NE(RefusalOf(photo).find("% of what surrounds its best circle has"), std::string::npos)
         << RefusalOf(photo);
   }
 }
