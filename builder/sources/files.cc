@@ -51,7 +51,6 @@ std::vector<uint8_t> ReadImageFile(const fs::path& path, const DecodeLimits& lim
 }
 
 std::string ReadText(const fs::path& path, int64_t max_bytes, ErrorCode code) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   const std::vector<uint8_t> bytes = ReadFile(path, max_bytes, code);
   std::string text(bytes.begin(), bytes.end());
   if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());

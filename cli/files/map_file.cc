@@ -7,10 +7,10 @@
 #include <fstream>
 #include <iterator>
 #include <string>
-#include <string_view>
 #include <system_error>
 
 #include "core/base/error.h"
+#include "core/base/text.h"
 #include "schema/file/file_replacer.h"
 #include "schema/file/map_store.h"
 
@@ -63,8 +63,6 @@ std::ifstream OpenText(const std::filesystem::path& path, const std::string& wan
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) RefuseFile(path, std::strerror(errno), wanted);
-  // Some editors put a byte order mark in front of UTF-8.
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   std::string start(kByteOrderMark.size(), '\0');
   if (in.read(start.data(), std::ssize(start)) && start == kByteOrderMark) return in;
   in.clear();

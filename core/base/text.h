@@ -32,6 +32,9 @@ std::string Printable(std::string_view text);
 // `text` without the characters of `space` at its ends.
 std::string_view Trimmed(std::string_view text, std::string_view space = " \t\r\n");
 
+// What some editors put in front of UTF-8 text.
+inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
 // Words of a line, separated by any of the `separators`.
 std::vector<std::string> Words(std::string_view line, std::string_view separators = " \t\r");
 

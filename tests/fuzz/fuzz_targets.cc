@@ -12,6 +12,7 @@ std::span<const FuzzTarget> FuzzTargets() {
       FuzzTarget{"chunked_body", FuzzChunkedBody, 50'000, 4096},
       FuzzTarget{"coarse_entry", FuzzCoarseEntry, 100'000, 4096},
       FuzzTarget{"dataset_list", FuzzDatasetList, 2000, 4096},
+      FuzzTarget{"edit_list", FuzzEditList, 20'000, 4096},
       FuzzTarget{"exif", FuzzExif, 100'000, 4096},
       FuzzTarget{"http_head", FuzzHttpHead, 30'000, 16'384},
       FuzzTarget{"image", FuzzImage, 10'000, 16'384, MutateImage},

@@ -19,6 +19,7 @@ bool FuzzCameraFile(FuzzInput input);
 bool FuzzChunkedBody(FuzzInput input);
 bool FuzzCoarseEntry(FuzzInput input);
 bool FuzzDatasetList(FuzzInput input);
+bool FuzzEditList(FuzzInput input);
 bool FuzzExif(FuzzInput input);
 bool FuzzHttpHead(FuzzInput input);
 bool FuzzImage(FuzzInput input);

@@ -9,6 +9,7 @@
 
 #include "localizer/coarse/coarse_entry.h"
 #include "schema/file/map_store.h"
+#include "tests/builder/sources/made_movie.h"
 #include "tests/core/image/made_heic.h"
 #include "tests/fuzz/compressed.h"
 #include "tests/schema/made_map.h"
@@ -177,6 +178,16 @@ void SaveMaps(const fs::path& folder) {
   Save(folder / "map/extras", Encoded(bytes.begin(), bytes.end()));
 }
 
+// One track that was trimmed, and one beside sound that begins with a pause.
+void SaveMovies(const fs::path& folder) {
+  const auto save = [&folder](const std::string& name, const std::string& movie) {
+    Save(folder / "edit_list" / name, Encoded(movie.begin(), movie.end()));
+  };
+  save("trimmed.mp4", Movie(Track("vide", Edit(4000, 90'000), 1)));
+  save("paused.mp4", Movie(Track("soun", Edit(1000, 0), 1) +
+                           Track("vide", Edit(9000, 0xffffffff) + Edit(2000, 0), 2)));
+}
+
 // An entry of the coarse index with so many codes a place.
 void SaveEntry(const fs::path& path, FeatureType type, int keyframes,
                const std::vector<uint8_t>& codes_of) {
@@ -213,5 +224,6 @@ int main(int argc, char** argv) {
   waystone::SaveHeics(argv[1]);
   waystone::SaveMaps(argv[1]);
   waystone::SaveEntries(argv[1]);
+  waystone::SaveMovies(argv[1]);
   return 0;
 }
