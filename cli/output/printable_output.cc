@@ -22,7 +22,14 @@ std::string PrintableBuffer::Take(std::string_view bytes) {
   return text;
 }
 
-bool PrintableBuffer::Write(const std::string& text) {
+int PrintableBuffer::error() const {
+  const std::lock_guard lock(mutex_);
+  return error_;
+}
+
+bool PrintableBuffer::Write(std::string_view bytes) {
+  const std::lock_guard lock(mutex_);
+  const std::string text = Take(bytes);
   const auto size = static_cast<std::streamsize>(text.size());
   errno = 0;
   return Note(target_.sputn(text.data(), size) == size);
@@ -36,14 +43,15 @@ bool PrintableBuffer::Note(bool written) {
 PrintableBuffer::int_type PrintableBuffer::overflow(int_type byte) {
   if (traits_type::eq_int_type(byte, traits_type::eof())) return traits_type::not_eof(byte);
   const char c = traits_type::to_char_type(byte);
-  return Write(Take({&c, 1})) ? byte : traits_type::eof();
+  return Write({&c, 1}) ? byte : traits_type::eof();
 }
 
 std::streamsize PrintableBuffer::xsputn(const char* bytes, std::streamsize count) {
-  return Write(Take({bytes, static_cast<size_t>(count)})) ? count : 0;
+  return Write({bytes, static_cast<size_t>(count)}) ? count : 0;
 }
 
 int PrintableBuffer::sync() {
+  const std::lock_guard lock(mutex_);
   errno = 0;
   return Note(target_.pubsync() == 0) ? 0 : -1;
 }

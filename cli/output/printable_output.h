@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <mutex>
 #include <ostream>
 #include <streambuf>
 #include <string>
@@ -10,14 +11,14 @@ namespace waystone {
 
 // Writes to another buffer with control characters made visible, so that a name in a map or a file
 // name can't drive the user's terminal: those of core/base/text.h but newline and tab become
-// `\u001b` and the like, which a string of JSON may contain as well. Not thread-safe for one
-// stream, as any stream buffer.
+// `\u001b` and the like, which a string of JSON may contain as well. Thread-safe: text that is
+// written at once, as a string is, stays together.
 class PrintableBuffer : public std::streambuf {
  public:
   explicit PrintableBuffer(std::streambuf& target) : target_(target) {}
 
   // errno of the first write that failed, or 0.
-  int error() const { return error_; }
+  int error() const;
 
  protected:
   int_type overflow(int_type byte) override;
@@ -25,11 +26,12 @@ class PrintableBuffer : public std::streambuf {
   int sync() override;
 
  private:
-  bool Write(const std::string& text);
+  bool Write(std::string_view bytes);
   bool Note(bool written);
   std::string Take(std::string_view bytes);
 
   std::streambuf& target_;
+  mutable std::mutex mutex_;  // of all below, and of the target
   std::string pending_;  // bytes that aren't written, because control characters begin with them
   int error_ = 0;
 };

@@ -56,6 +56,11 @@ const RegistryMapsOptions& Checked(const RegistryMapsOptions& options) {
   if (!std::filesystem::exists(options.cache, ignored)) OpenRegistry(options.registry);
   return options;
 }
+// Whether no request has an open map, or its index. Requests only get them from the entry of which
+// this is the pointer.
+bool IsIdle(const MapSource::MapPtr& open) {
+  return open.use_count() == 1 && open->shared_index().use_count() == 1;
+}
 MapError Ending() { return {ErrorCode::kNotReady, "the server is shutting down"}; }
 
 // An open map with its share of the memory, which it gives back when it is gone.
@@ -232,25 +237,41 @@ std::shared_ptr<MapMemory::Share> RegistryMaps::TakeMemory(const MapVersion& ver
   }
   const Clock::time_point start = Clock::now();
   while (SecondsSince(start) < kMemoryPatienceS) {
-    while (true) {
-      MapPtr closed;  // goes outside the lock, with its memory where no request has it
-      const std::lock_guard lock(mutex_);
-      if (stopped_) throw Ending();
-      if (open_bytes_ + bytes <= memory_->limit()) break;
-      closed = CloseOldest();
-      if (!closed) break;
-    }
-    if (std::shared_ptr<MapMemory::Share> share = memory_->Take(bytes, kMemoryPause)) return share;
+    MakeRoom(bytes);
+    std::shared_ptr<MapMemory::Share> share = memory_->Take(bytes, kMemoryPause);
+    const std::lock_guard lock(mutex_);
+    wants_room_ = !share;
+    if (share) return share;
+    changed_.notify_all();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    wants_room_ = false;
   }
   throw MapError(ErrorCode::kNotReady,
                  "the memory for maps is taken by requests in progress; try again, or give the "
                  "server more (--memory)");
 }
 
-MapSource::MapPtr RegistryMaps::CloseOldest() {
+// Closes maps that no request uses, or else enough of the others, whose memory comes back with
+// their requests.
+void RegistryMaps::MakeRoom(int64_t bytes) {
+  while (true) {
+    MapPtr closed;  // goes outside the lock, with its memory where no request has it
+    const std::lock_guard lock(mutex_);
+    if (stopped_) throw Ending();
+    if (memory_->used() + bytes <= memory_->limit()) return;
+    closed = CloseOldest(true);
+    if (!closed && open_bytes_ + bytes > memory_->limit()) closed = CloseOldest(false);
+    if (!closed) return;
+  }
+}
+
+MapSource::MapPtr RegistryMaps::CloseOldest(bool idle) {
   Entry* oldest = nullptr;
   for (auto& [name, entry] : entries_) {
-    if (entry.open && (!oldest || entry.last_use < oldest->last_use)) oldest = &entry;
+    if (!entry.open || (idle && !IsIdle(entry.open))) continue;
+    if (!oldest || entry.last_use < oldest->last_use) oldest = &entry;
   }
   if (!oldest) return nullptr;
   open_bytes_ -= std::exchange(oldest->bytes, 0);
@@ -363,6 +384,11 @@ Clock::time_point RegistryMaps::WaitUntil(const Deadline& deadline) const {
 }
 
 MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& deadline) {
+  return Find(name, deadline, false);
+}
+
+MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& deadline,
+                                     bool yields) {
   Lock lock(mutex_);
   const auto it = entries_.find(name);
   if (it == entries_.end()) throw NotServed(name);
@@ -378,12 +404,14 @@ MapSource::MapPtr RegistryMaps::Find(const std::string& name, const Deadline& de
   QueueOpening(name, entry);
   const std::shared_ptr<Opening> opening = entry.opening;
   ++waiting_;
-  changed_.wait_until(lock, WaitUntil(deadline), [&] { return opening->done || ended_waits_; });
+  changed_.wait_until(lock, WaitUntil(deadline),
+                      [&] { return opening->done || ended_waits_ || (yields && wants_room_); });
   --waiting_;
   if (opening->map) return opening->map;
   if (!opening->error.empty()) ThrowUnopened(name, opening->code, opening->told);
   if (opening->done) throw NotServed(name);  // retired meanwhile
   if (ended_waits_) throw Ending();
+  if (yields && wants_room_) return nullptr;
   throw MapLate("map '" + name + "' is being fetched and opened; try again in a moment");
 }
 

@@ -118,7 +118,8 @@ class RegistryMaps : public MapSource {
   void Forget(const std::string& name);
   void QueueOpening(const std::string& name, Entry& entry);
   const Entry& EntryOf(const std::string& name) const;
-  MapPtr CloseOldest();
+  void MakeRoom(int64_t bytes);
+  MapPtr CloseOldest(bool idle);  // with the lock held
   void QueueUpdates();
   void KeepLooking();
   void LookAgain();
@@ -135,7 +136,10 @@ class RegistryMaps : public MapSource {
   std::shared_ptr<const Store> StoreNow() const;
   static std::string Megabytes(int64_t bytes);
   Clock::time_point WaitUntil(const Deadline& deadline) const;
-  FoundMap TryToFind(const std::string& name, const Deadline& deadline);
+  // `yields`: the request has other maps, whose memory a map that is being opened may want; then
+  // it gets nothing instead of waiting.
+  MapPtr Find(const std::string& name, const Deadline& deadline, bool yields);
+  std::optional<FoundMap> TryToFind(const std::string& name, const Deadline& deadline, bool yields);
   void Stop();
 
   RegistryMapsOptions options_;
@@ -156,6 +160,7 @@ class RegistryMaps : public MapSource {
   int waiting_ = 0;
   bool serving_ = false;  // maps of the registry `registry_id_`, for good
   bool stopped_ = false;
+  bool wants_room_ = false;  // a map that is being opened waits for memory
   bool ended_waits_ = false;
   bool connected_ = false;
   bool known_changed_ = false;  // since it was written

@@ -67,7 +67,8 @@ SearchScope RegistryMaps::ScopeOf(const MapHints& hints) const {
                      "the map (/v1/maps/{map}/localize), or publish the maps again");
 }
 
-FoundMap RegistryMaps::TryToFind(const std::string& name, const Deadline& deadline) {
+std::optional<FoundMap> RegistryMaps::TryToFind(const std::string& name, const Deadline& deadline,
+                                                bool yields) {
   FoundMap found{name, nullptr, MapFinding::kFailed, ""};
   {
     const std::lock_guard lock(mutex_);
@@ -81,7 +82,8 @@ FoundMap RegistryMaps::TryToFind(const std::string& name, const Deadline& deadli
     }
   }
   try {
-    found.map = Find(name, deadline);
+    found.map = Find(name, deadline, yields);
+    if (!found.map) return std::nullopt;
     found.finding = MapFinding::kFound;
   } catch (const MapLate& late) {
     found.finding = MapFinding::kLate;
@@ -117,7 +119,13 @@ std::vector<FoundMap> RegistryMaps::FindLot(std::span<const std::string> names,
   }
   const Clock::time_point until = WaitUntil(deadline);
   std::vector<FoundMap> found;
-  for (const std::string& name : names.first(count)) found.push_back(TryToFind(name, until));
+  for (const std::string& name : names.first(count)) {
+    const bool has_any =
+        std::ranges::any_of(found, [](const FoundMap& one) { return one.map != nullptr; });
+    std::optional<FoundMap> one = TryToFind(name, until, has_any);
+    if (!one) break;
+    found.push_back(std::move(*one));
+  }
   return found;
 }
 

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <opencv2/core.hpp>
 #include <sstream>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "api/audit_text.h"
 #include "cli/files/csv_file.h"
@@ -66,6 +69,32 @@ TEST(PrintableOutput, ShowsControlCharactersAndLeavesTheRest) {
   EXPECT_EQ(out.str(),
             "a\tb\n\\u001b[2J\\u000d\\u007f\\u0007Gar\u00e7on \u4f4d\\u009b31m\u00a9\\u202ecod.exe "
             "\u2026\x1b");
+}
+
+// As the lines of a server's log, which all its threads write.
+TEST(PrintableOutput, KeepsTheLinesOfThreadsWhole) {
+  constexpr int kThreads = 4;
+  constexpr int kLines = 5000;
+  std::stringbuf written;
+  {
+    PrintableBuffer printable(written);
+    std::vector<std::thread> threads;
+    for (int i = 0; i < kThreads; ++i) {
+      threads.emplace_back([&printable, i] {
+        const std::string line = std::string(20 + 10 * i, static_cast<char>('a' + i)) + "\x1b\n";
+        for (int k = 0; k < kLines; ++k) {
+          printable.sputn(line.data(), std::ssize(line));
+          printable.pubsync();
+        }
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+  }
+  std::map<std::string, int> lines;
+  std::istringstream in(written.str());
+  for (std::string line; std::getline(in, line);) ++lines[line];
+  ASSERT_EQ(lines.size(), static_cast<size_t>(kThreads));
+  for (const auto& [line, count] : lines) EXPECT_EQ(count, kLines) << line;
 }
 
 TEST(SummaryText, CountsUsedAndSkippedFramesOfAll) {

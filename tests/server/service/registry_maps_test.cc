@@ -189,6 +189,39 @@ TEST_F(RegistryMapsTest, MapsInUseKeepTheirMemory) {
   EXPECT_EQ(Planes("hall"), 3U);
 }
 
+// Room is made by maps that no request uses: closing another gives nothing back yet.
+TEST_F(RegistryMapsTest, MapsThatNobodyUsesMakeRoom) {
+  const MapVersion lab = Publish("lab", 3);
+  for (const std::string name : {"hall", "roof", "yard"}) Publish(name, 3);
+  options_.memory_bytes = 7 * lab.bytes;  // two open, and one that is being opened
+  Start();
+  const MapSource::MapPtr used = maps_->Find("lab", std::nullopt);
+  const std::shared_ptr<const MapIndex> used_too =
+      maps_->Find("hall", std::nullopt)->shared_index();
+  for (const std::string name : {"roof", "yard", "roof"}) {
+    const auto soon = Clock::now() + std::chrono::seconds(kPatienceS / 2);
+    EXPECT_TRUE(maps_->Find(name, soon)) << name;
+  }
+}
+
+// What waits for memory may wait for that of a request, which then doesn't wait in turn.
+TEST_F(RegistryMapsTest, ALotEndsWhereItsOwnMapsTakeTheRoom) {
+  const MapVersion lab = Publish("lab", 3);
+  for (const std::string name : {"hall", "roof", "yard"}) Publish(name, 3);
+  options_.memory_bytes = 7 * lab.bytes;
+  Start();
+  std::vector<MapSource::MapPtr> used{maps_->Find("lab", std::nullopt),
+                                      maps_->Find("hall", std::nullopt)};
+  const std::vector<std::string> names{"roof", "yard"};
+  const Clock::time_point start = Clock::now();
+  std::vector<FoundMap> lot = maps_->FindLot(names, std::nullopt);
+  EXPECT_LT(SecondsSince(start), kPatienceS / 2);
+  ASSERT_EQ(lot.size(), 1U);
+  EXPECT_TRUE(lot[0].map);
+  lot.clear();
+  EXPECT_TRUE(maps_->Find("yard", Clock::now() + std::chrono::seconds(kPatienceS / 2)));
+}
+
 TEST_F(RegistryMapsTest, AMapLargerThanTheMemoryIsSaidAndOthersAreServed) {
   const MapVersion small = Publish("small", 1);
   const MapVersion large = Publish("large", 100);
