@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -37,6 +38,20 @@ cv::Mat Grey(const cv::Mat& image) {
       Quoted(path) + " can't be read as a video: " + cause +
           "; expected a folder of images, a video that FFmpeg can read, or a TUM, KITTI or "
           "EuRoC sequence");
+}
+
+// FFmpeg shows text as pictures of it, and opens what playlists name.
+bool IsText(const fs::path& path) {
+  constexpr size_t kLooked = 512;
+  std::string start(kLooked, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), kLooked);
+  start.resize(static_cast<size_t>(file.gcount()));
+  if (start.empty() || start.starts_with("YUV4MPEG2")) return false;
+  constexpr std::string_view kInText = "\t\n\v\f\r\x1b";
+  return std::ranges::all_of(start, [&](char byte) {
+    return static_cast<uint8_t>(byte) >= ' ' || kInText.find(byte) != std::string_view::npos;
+  });
 }
 
 EncodedFrame Unreadable(FrameInfo info, std::string cause) {
@@ -96,6 +111,7 @@ class VideoSource : public Source {
 
  private:
   void Open(const DecodeLimits& limits) {
+    if (IsText(path_)) RefuseVideo(path_, "it is a text file");
     try {
       capture_.open(path_.string(), cv::CAP_FFMPEG);
     } catch (const cv::Exception& error) {

@@ -173,10 +173,22 @@ TEST_F(VideoTest, ATrimmedVideoLacksNothing) {
 
 TEST_F(VideoTest, WhatIsNoVideoIsRefused) {
   testing::internal::CaptureStderr();  // FFmpeg comments on it
-  const std::string path = Write("walk.mp4", "a letter").string();
+  const std::string path = Write("walk.mp4", std::string("a letter\0\1", 10)).string();
   ExpectError([&] { OpenSource(path, {}); }, ErrorCode::kBadSource,
               {"walk.mp4", "FFmpeg", "expected"});
   testing::internal::GetCapturedStderr();
+}
+
+// FFmpeg would show a text, and open the files that a playlist names.
+TEST_F(VideoTest, TextsAreNoVideos) {
+  const std::vector<std::pair<std::string, std::string>> texts{
+      {"notes.txt", "Turn left behind the lift.\n"},
+      {"walk.ffconcat", "ffconcat version 1.0\nfile walk.avi\n"},
+      {"walk.m3u8", "#EXTM3U\n#EXTINF:1,\nwalk.avi\n#EXT-X-ENDLIST\n"}};
+  for (const auto& [name, text] : texts) {
+    const std::string path = Write(name, text).string();
+    ExpectError([&] { OpenSource(path, {}); }, ErrorCode::kBadSource, {name, "it is a text file"});
+  }
 }
 
 }  // namespace
