@@ -16,6 +16,7 @@ constexpr size_t kMaxBoundary = 70;         // characters, RFC 2046
 constexpr size_t kMaxPartHeaders = 4096;    // bytes of one part's headers
 constexpr size_t kMaxDataUrlPrefix = 100;   // bytes of "data:image/jpeg;base64,"
 constexpr size_t kMaxDecodable = 1U << 30;  // OpenSSL counts in int
+constexpr std::string_view kBlanks = " \t";
 
 [[noreturn]] void RefuseBody(const std::string& cause) {
   throw MapError(ErrorCode::kBadRequest, cause);
@@ -32,7 +33,7 @@ std::optional<std::string> Parameter(std::string_view text, const std::string& n
   size_t at = text.find(';');
   while (at != std::string_view::npos) {
     ++at;
-    while (at < text.size() && text[at] == ' ') ++at;
+    at = std::min(text.find_first_not_of(kBlanks, at), text.size());
     const size_t equals = text.find('=', at);
     if (equals == std::string_view::npos) return std::nullopt;
     const std::string key = Lower(text.substr(at, equals - at));
@@ -44,7 +45,9 @@ std::optional<std::string> Parameter(std::string_view text, const std::string& n
         value += text[at];
       }
     } else {
-      for (; at < text.size() && text[at] != ';' && text[at] != ' '; ++at) value += text[at];
+      const size_t end = std::min(text.find_first_of("; \t", at), text.size());
+      value = text.substr(at, end - at);
+      at = end;
     }
     if (key == name) return value;
     at = text.find(';', at);
@@ -60,6 +63,16 @@ std::string BoundaryOf(const std::string& content_type) {
   return boundary;
 }
 
+// Lines that continue the one before (RFC 5322, section 2.2.3) become part of it.
+std::string Unfolded(std::string_view headers) {
+  std::string text(headers);
+  for (size_t at = text.find("\r\n"); at != std::string::npos; at = text.find("\r\n", at + 2)) {
+    const bool folded = at + 2 < text.size() && kBlanks.find(text[at + 2]) != kBlanks.npos;
+    if (folded) text.replace(at, 2, "  ");
+  }
+  return text;
+}
+
 // A part from its headers on, up to the next boundary.
 BodyPart ParsePart(std::string_view text) {
   const size_t end = text.starts_with("\r\n") ? 0 : text.find("\r\n\r\n");
@@ -67,7 +80,8 @@ BodyPart ParsePart(std::string_view text) {
     RefuseBody("a part of the form has no headers; each part requires Content-Disposition");
   }
   BodyPart part;
-  std::string_view headers = text.substr(0, end);
+  const std::string unfolded = Unfolded(text.substr(0, end));
+  std::string_view headers = unfolded;
   part.bytes = text.substr(end == 0 ? 2 : end + 4);
   while (!headers.empty()) {
     const size_t line_end = std::min(headers.find("\r\n"), headers.size());
@@ -82,6 +96,15 @@ BodyPart ParsePart(std::string_view text) {
   return part;
 }
 
+// The position after the first boundary. Text may precede it (RFC 2046, section 5.1.1).
+size_t FindFirstPart(std::string_view body, const std::string& delimiter) {
+  if (body.starts_with(delimiter)) return delimiter.size();
+  const std::string line = "\r\n" + delimiter;
+  const size_t start = body.find(line);
+  if (start == std::string_view::npos) RefuseBody("the form does not contain its boundary");
+  return start + line.size();
+}
+
 }  // namespace
 
 std::string MediaTypeOf(const std::string& content_type) {
@@ -91,11 +114,12 @@ std::string MediaTypeOf(const std::string& content_type) {
 std::vector<BodyPart> ParseMultipart(std::string_view body, const std::string& content_type,
                                      size_t max_parts) {
   const std::string delimiter = "--" + BoundaryOf(content_type);
-  if (!body.starts_with(delimiter)) RefuseBody("the form does not start with its boundary");
   const std::string next = "\r\n" + delimiter;
   std::vector<BodyPart> parts;
-  size_t at = delimiter.size();
+  size_t at = FindFirstPart(body, delimiter);
   while (!body.substr(at).starts_with("--")) {
+    // Mail may have padded the line.
+    at = std::min(body.find_first_not_of(kBlanks, at), body.size());
     if (!body.substr(at).starts_with("\r\n"))
       RefuseBody("the form has extra characters after a boundary");
     const size_t end = body.find(next, at);

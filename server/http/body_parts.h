@@ -20,8 +20,9 @@ struct BodyPart {
 };
 
 // The parts of a multipart/form-data body (RFC 7578), in order. `content_type` is the header, with
-// the boundary. Linear in the body's size, and copies none of it. Throws MapError(kBadRequest) for
-// any other body and for more than `max_parts` parts.
+// the boundary. Text before the first boundary, blanks after one and folded headers of parts are
+// accepted (RFC 2046, section 5.1.1). Linear in the body's size, and copies none of it. Throws
+// MapError(kBadRequest) for any other body and for more than `max_parts` parts.
 std::vector<BodyPart> ParseMultipart(std::string_view body, const std::string& content_type,
                                      size_t max_parts);
 

@@ -19,9 +19,6 @@
 namespace waystone {
 namespace {
 
-// Requests on one connection. The library's default of 5 would close good connections.
-constexpr int kRequestsPerConnection = 1'000'000;
-
 // The request that this thread answers; the library has no place to put it.
 thread_local ReceivedRequest* current_request = nullptr;
 
@@ -92,13 +89,13 @@ HttpRequest ToRequest(int port, ReceivedRequest& received) {
   }
   // As they came: the library decodes percent signs and drops empty headers.
   request.header = [&received](const std::string& name) -> std::optional<std::string> {
-    const auto is_named = [&](const auto& header) {
-      return strcasecmp(header.first.c_str(), name.c_str()) == 0;
-    };
     if (strcasecmp(name.c_str(), "Host") == 0) return received.host;
-    const auto found = std::ranges::find_if(received.headers, is_named);
-    if (found == received.headers.end()) return std::nullopt;
-    return found->second;
+    std::optional<std::string> joined;
+    for (const auto& [key, value] : received.headers) {
+      if (strcasecmp(key.c_str(), name.c_str()) != 0) continue;
+      joined = joined ? *joined + ", " + value : value;
+    }
+    return joined;
   };
   request.read_body = [&received] {
     if (const auto& error = received.body_error) throw MapError(error->code(), error->what());
@@ -135,15 +132,21 @@ HttpResponse ProblemOf(const std::exception_ptr& thrown) {
 }
 
 // The library says in answers to HEAD that ranges are served, and in a 304 that its content, which
-// isn't sent, is empty (RFC 9110, sections 14.3 and 8.6).
-void CorrectHead(std::string& response) {
-  const auto drop = [&response](std::string_view header) {
-    const auto head = std::string_view(response).substr(0, response.find("\r\n\r\n"));
-    const size_t at = head.find(header);
-    if (at != head.npos) response.erase(at, header.size());
+// isn't sent, is empty (RFC 9110, sections 14.3 and 8.6). Of the connection, the head says both
+// that it is kept and that it is closed. The head only becomes shorter, so that the body needs no
+// other memory.
+void CorrectHead(std::string& response, bool close) {
+  const size_t end = std::min(response.find("\r\n\r\n"), response.size());
+  std::string head = response.substr(0, end);
+  const auto drop = [&head](const std::string& line) {
+    const size_t at = head.find("\r\n" + line);
+    if (at != head.npos) head.erase(at, head.find("\r\n", at + 2) - at);
   };
-  drop("\r\nAccept-Ranges: bytes");
-  if (response.starts_with("HTTP/1.1 304")) drop("\r\nContent-Length: 0");
+  drop("Accept-Ranges: bytes");
+  if (head.starts_with("HTTP/1.1 304")) drop("Content-Length: 0");
+  drop(close ? "Connection: keep-alive" : "Connection: close");
+  if (close) drop("Keep-Alive: ");
+  response.replace(0, end, head);
 }
 
 // The request is the library's own variable, not a constant.
@@ -157,9 +160,9 @@ class HttpEngine::Library : public httplib::Server {
  public:
   Library(Dispatch dispatch, int port, int keep_alive_s)
       : dispatch_(std::move(dispatch)), port_(port) {
-    set_keep_alive_max_count(kRequestsPerConnection);
-    set_keep_alive_timeout(keep_alive_s);
-    set_default_headers({{"X-Content-Type-Options", "nosniff"}});
+    set_default_headers({{"X-Content-Type-Options", "nosniff"},
+                         {"Connection", "keep-alive"},
+                         {"Keep-Alive", "timeout=" + std::to_string(keep_alive_s)}});
     set_pre_routing_handler([this](const httplib::Request& in, httplib::Response& out) {
       LeaveUndone(in);
       Fill(dispatch_(ToRequest(port_, *current_request)), out);
@@ -179,9 +182,12 @@ class HttpEngine::Library : public httplib::Server {
                              const std::exception_ptr& thrown) { Fill(ProblemOf(thrown), out); });
   }
 
-  // A template, because versions of the library differ in the arguments they take.
+  // A template, because versions of the library differ in the arguments they take. The library
+  // always says that it closes the connection, so that there is one thing to correct.
   template <class Stream>
-  bool Process(Stream& stream, const std::string& remote, bool close, bool& closed) {
+  bool Process(Stream& stream, const std::string& remote) {
+    constexpr bool close = true;
+    bool closed = false;
     if constexpr (requires { this->process_request(stream, close, closed, nullptr); }) {
       return this->process_request(stream, close, closed, nullptr);
     } else {
@@ -202,11 +208,11 @@ SentResponse HttpEngine::Answer(ReceivedRequest request) {
   const std::string head = HeadForLibrary(request);
   MemoryStream stream(head, request.remote);
   current_request = &request;
-  bool closed = request.close;
-  const bool kept = library_->Process(stream, request.remote, request.close, closed);
+  const bool answered = library_->Process(stream, request.remote);
   current_request = nullptr;
-  CorrectHead(stream.out());
-  return {.bytes = std::move(stream.out()), .close = closed || request.close || !kept};
+  const bool close = request.close || !answered;
+  CorrectHead(stream.out(), close);
+  return {.bytes = std::move(stream.out()), .close = close};
 }
 
 }  // namespace waystone

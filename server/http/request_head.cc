@@ -54,9 +54,9 @@ class HeadParser {
     const std::string_view version = line.substr(std::min(line.rfind(' '), line.size() - 1) + 1);
     std::string_view target = line.substr(std::min(method.size() + 1, line.size()));
     target.remove_suffix(std::min(version.size() + 1, target.size()));
-    needs_host_ = version == "HTTP/1.1";
+    is_http11_ = version == "HTTP/1.1";
     if (!IsHttpToken(method) || !ReadTarget(method, target) ||
-        (!needs_host_ && version != "HTTP/1.0")) {
+        (!is_http11_ && version != "HTTP/1.0")) {
       return Refuse(ErrorCode::kBadRequest,
                     "malformed HTTP request line; expected METHOD /PATH HTTP/1.1");
     }
@@ -93,14 +93,15 @@ class HeadParser {
   }
 
   RequestHead Finish() {
-    if (!needs_host_ && head_.chunked) {  // RFC 9112, section 6.1
+    if (!is_http11_ && head_.chunked) {  // RFC 9112, section 6.1
       Refuse(ErrorCode::kBadRequest, "HTTP/1.0 has no Transfer-Encoding; send HTTP/1.1");
     }
-    if (!needs_host_) head_.expects_continue = false;
+    if (!is_http11_) head_.expects_continue = false;
+    head_.close |= !is_http11_ && !keep_alive_;
     if (lengths_ > 1 || (lengths_ == 1 && head_.chunked)) {
       Refuse(ErrorCode::kBadRequest, "the length of the body is given twice");
     }
-    if (hosts_ > 1 || (hosts_ == 0 && needs_host_)) {
+    if (hosts_ > 1 || (hosts_ == 0 && is_http11_)) {
       Refuse(ErrorCode::kBadRequest, "an HTTP/1.1 request requires exactly one Host header");
     }
     if (head_.has_body() && !head_.is_post) Refuse(ErrorCode::kBadRequest, with_body_);
@@ -149,11 +150,13 @@ class HeadParser {
     head_.chunked = true;
   }
 
-  // A list; the HTTP library only recognises a lone "close" in lower case.
+  // A list (RFC 9110, section 7.6.1).
   void Connection(std::string_view value) {
     while (!value.empty()) {
       const size_t comma = std::min(value.find(','), value.size());
-      head_.close |= EqualsIgnoringCase(Trimmed(value.substr(0, comma), kSpace), "close");
+      const std::string_view option = Trimmed(value.substr(0, comma), kSpace);
+      head_.close |= EqualsIgnoringCase(option, "close");
+      keep_alive_ |= EqualsIgnoringCase(option, "keep-alive");
       value.remove_prefix(std::min(comma + 1, value.size()));
     }
   }
@@ -168,7 +171,8 @@ class HeadParser {
   RequestHead head_;
   int lengths_ = 0;
   int hosts_ = 0;
-  bool needs_host_ = false;  // RFC 9112, section 3.2
+  bool is_http11_ = false;   // which requires a Host (RFC 9112, section 3.2)
+  bool keep_alive_ = false;  // without it, connections of HTTP/1.0 close (RFC 9112, section 9.3)
   std::string with_body_;
 };
 

@@ -50,7 +50,7 @@ struct RequestHead {
   bool expects_continue = false;  // the client sends the body once it is told to
   bool chunked = false;
   int64_t body_bytes = 0;  // where not chunked
-  bool close = false;      // the client wants no other request on the connection
+  bool close = false;      // the client sends no other request on the connection
   std::string authorization;
   // As they came, in order, without those that frame the body, and without Range.
   std::vector<std::pair<std::string, std::string>> headers;

@@ -27,6 +27,21 @@ std::string Decoded(std::string_view text, bool plus_is_space) {
   return out;
 }
 
+// A decoded segment, as it is in a path.
+std::string Escaped(const std::string& segment) {
+  std::string out;
+  for (const char c : segment) {
+    if (c == '/') {
+      out += "%2F";
+    } else if (c == '%') {
+      out += "%25";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
 // Browsers don't send what follows a '#'.
 std::string_view WithoutFragment(std::string_view target) {
   return target.substr(0, target.find('#'));
@@ -36,7 +51,27 @@ std::string_view WithoutFragment(std::string_view target) {
 
 std::string PathOf(std::string_view target) {
   target = WithoutFragment(target);
-  return Decoded(target.substr(0, target.find('?')), false);
+  target = target.substr(0, target.find('?'));
+  std::string path;
+  while (true) {
+    const size_t end = std::min(target.find('/'), target.size());
+    path += Escaped(Decoded(target.substr(0, end), false));
+    if (end == target.size()) return path;
+    path += '/';
+    target.remove_prefix(end + 1);
+  }
+}
+
+std::vector<std::string> SegmentsOf(std::string_view path) {
+  std::vector<std::string> segments;
+  if (path.size() <= 1) return segments;
+  size_t start = 1;
+  while (true) {
+    const size_t end = path.find('/', start);
+    segments.push_back(Decoded(path.substr(start, end - start), false));
+    if (end == std::string_view::npos) return segments;
+    start = end + 1;
+  }
 }
 
 std::map<std::string, std::string> QueryOf(std::string_view target) {

@@ -20,4 +20,11 @@ inline std::string ParameterOf(const HttpRequest& request, const std::string& na
   return it == request.query.end() ? fallback : it->second;
 }
 
+// Whether the client has the version with this entity tag already (If-None-Match of RFC 9110,
+// section 13.1.2: a list of tags, or "*").
+inline bool IsKnown(const HttpRequest& request, const std::string& etag) {
+  const std::string tags = request.header("If-None-Match").value_or("");
+  return tags == "*" || tags.find(etag) != std::string::npos;
+}
+
 }  // namespace waystone

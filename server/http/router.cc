@@ -9,22 +9,10 @@
 
 #include "core/base/error.h"
 #include "server/http/problem.h"
+#include "server/http/request_target.h"
 
 namespace waystone {
 namespace {
-
-// "/a/b" -> {"a", "b"}; "/" -> {}. An empty segment inside ("/a//b") stays, and matches nothing.
-std::vector<std::string> Split(const std::string& path) {
-  std::vector<std::string> segments;
-  if (path.size() <= 1) return segments;
-  size_t start = 1;
-  while (true) {
-    const size_t end = path.find('/', start);
-    segments.push_back(path.substr(start, end - start));
-    if (end == std::string::npos) return segments;
-    start = end + 1;
-  }
-}
 
 // RFC 9110, section 9, and PATCH.
 bool IsHttpMethod(const std::string& method) {
@@ -62,7 +50,7 @@ HttpResponse MethodNotAllowed(const HttpRequest& request, const std::set<std::st
 }  // namespace
 
 void Router::Add(const std::string& method, const std::string& pattern, Handler handler) {
-  routes_.push_back({method, pattern, Split(pattern), std::move(handler)});
+  routes_.push_back({method, pattern, SegmentsOf(pattern), std::move(handler)});
 }
 
 void Router::OnInternalError(std::function<void(const std::string&)> listener) {
@@ -72,7 +60,7 @@ void Router::OnInternalError(std::function<void(const std::string&)> listener) {
 HttpResponse Router::Dispatch(const HttpRequest& request) const {
   if (request.refusal) return ProblemResponse(*request.refusal);
   if (!IsHttpMethod(request.method)) return UnknownMethodResponse(request.method);
-  const std::vector<std::string> path = Split(request.path);
+  const std::vector<std::string> path = SegmentsOf(request.path);
   const std::string method = request.method == "HEAD" ? "GET" : request.method;
   std::set<std::string> allowed;
   for (const Route& route : routes_) {

@@ -14,7 +14,7 @@ namespace waystone {
 // problem response. Thread-safe once the routes are added.
 class Router {
  public:
-  // What the path has where the pattern has {name}.
+  // What the path has where the pattern has {name}, decoded: it may contain slashes.
   using Captures = std::map<std::string, std::string>;
   using Handler = std::function<HttpResponse(const HttpRequest&, const Captures&)>;
 

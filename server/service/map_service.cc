@@ -66,12 +66,6 @@ const Plane& PlaneOf(const MapIndex& index, const Router::Captures& captures) {
   return Existing(index.FindPlane(PlaneId{id}), "plane", id);
 }
 
-// Whether the client has this version already (RFC 9110: a list of tags, or "*").
-bool Has(const HttpRequest& request, const std::string& etag) {
-  const std::string tags = request.header("If-None-Match").value_or("");
-  return tags == "*" || tags.find(etag) != std::string::npos;
-}
-
 int WidthIn(const HttpRequest& request) {
   const std::string text = ParameterOf(request, "width", "0");
   int width = -1;
@@ -146,7 +140,7 @@ void MapService::AddShow(Router& router, const std::string& pattern, Show show) 
                const std::string etag = "\"" + map->version() + "-" + kVersion + "\"";
                // The answer comes first: a 304 for something that isn't there would be wrong.
                HttpResponse response = show(request, *map, captures);
-               if (Has(request, etag)) response = {304, "", "", {}};
+               if (IsKnown(request, etag)) response = {304, "", "", {}};
                response.headers.emplace_back("ETag", etag);
                response.headers.emplace_back("Cache-Control", "no-cache");
                return response;

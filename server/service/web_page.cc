@@ -5,6 +5,7 @@
 #include <regex>
 #include <string>
 
+#include "server/http/responses.h"
 #include "server/web/web_assets.h"
 
 namespace waystone {
@@ -31,8 +32,7 @@ HttpResponse Show(const WebAsset& asset, const HttpRequest& request) {
   const bool gzip = TakesGzip(request);
   const std::string etag = "\"" + std::string(asset.hash) + (gzip ? "-gzip\"" : "\"");
   HttpResponse response;
-  const bool known = request.header("If-None-Match").value_or("").find(etag) != std::string::npos;
-  if (known) {
+  if (IsKnown(request, etag)) {
     response.status = 304;
   } else {
     response.content_type = MediaTypeOf(asset.path);

@@ -143,8 +143,9 @@ TEST_F(BalancingTest, AnswersAreThoseOfOneServerWhoeverIsKilled) {
     EXPECT_LT(server->Metric("waystone_map_opens_total"), kMaps);
   }
   EXPECT_EQ(opened, kMaps);
-  EXPECT_EQ(Checked(NewClient().Get("/metrics"))->status, 404)
-      << "of the servers, not for strangers";
+  for (const char* path : {"/metrics", "/%6detrics", "/%6D%65trics?x"}) {
+    EXPECT_EQ(Checked(NewClient().Get(path))->status, 404) << path << ": not for strangers";
+  }
   // What the proxy adds.
   httplib::Client through = NewClient();
   httplib::Client straight("http://" + servers_[0]->address());

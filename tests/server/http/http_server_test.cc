@@ -156,7 +156,8 @@ TEST_F(HttpServerTest, ChunkedBodyHasTheSameLimit) {
 
 TEST_F(HttpServerTest, EveryPathReachesTheRouter) {
   httplib::Client client(server_->url());
-  for (const char* path : {"/%0A", "/a%0D%0Ab", "/%00", "/%FF", "/a//b"}) {
+  for (const char* path :
+       {"/%0A", "/a%0D%0Ab", "/%00", "/%FF", "/a//b", "/..", "/hello%2F", "/%2Fhello"}) {
     const auto result = client.Get(path);
     ASSERT_TRUE(result) << path;
     EXPECT_NE(result->body.find("no resource at /"), std::string::npos) << result->body;

@@ -83,13 +83,26 @@ TEST(FileLimit, SaysWhereLittleIsLeft) {
 }
 
 TEST(RequestTarget, IsDecoded) {
-  EXPECT_EQ(PathOf("/a%20b+c%2F%zz%4?x=1"), "/a b+c/%zz%4");
+  EXPECT_EQ(PathOf("/%61%20b+c/%7e?x=1"), "/a b+c/~");
   EXPECT_EQ(PathOf("/a%00b#f?x"), std::string("/a\0b", 4));
   const std::map<std::string, std::string> expected = {
       {"name", "a=b.jpg"}, {"fov deg", "6 3+"}, {"flag", ""}, {"s", "1;t=2?u"}};
   EXPECT_EQ(QueryOf("/p?name=a=b.jpg&&fov%20deg=6+3%2B&flag&s=1;t=2?u&"), expected);
   EXPECT_TRUE(QueryOf("/p").empty());
   EXPECT_TRUE(QueryOf("/p?").empty());
+}
+
+// RFC 3986, sections 2.2 and 2.4: an encoded slash separates nothing.
+TEST(RequestTarget, SegmentsAreSplitBeforeTheyAreDecoded) {
+  EXPECT_EQ(PathOf("/a%2fb%2F/c"), "/a%2Fb%2F/c");
+  EXPECT_EQ(PathOf("/%252F%zz%4"), "/%252F%25zz%254");
+  using Segments = std::vector<std::string>;
+  const auto segments = [](const char* target) { return SegmentsOf(PathOf(target)); };
+  EXPECT_EQ(segments("/a%2Fb/c%20d?/x"), (Segments{"a/b", "c d"}));
+  EXPECT_EQ(segments("/%252F/%zz%4/%%34%31"), (Segments{"%2F", "%zz%4", "%41"}));
+  EXPECT_EQ(segments("/a//%2e%2e/"), (Segments{"a", "", "..", ""}));
+  EXPECT_EQ(segments("/a%00b"), (Segments{std::string("a\0b", 3)}));
+  EXPECT_EQ(segments("/"), Segments());
 }
 
 TEST(RequestTarget, RepeatedAndNamelessFieldsAreRefused) {
@@ -161,6 +174,8 @@ class RouterTest : public testing::Test {
 
 TEST_F(RouterTest, CapturesSegments) {
   EXPECT_EQ(router_.Dispatch(Request("GET", "/a/kitchen/b")).body, "kitchen");
+  EXPECT_EQ(router_.Dispatch(Request("GET", "/a/x%2Fb/b")).body, "x/b");
+  EXPECT_EQ(router_.Dispatch(Request("GET", "/a/x%2Fb")).status, 404);
   EXPECT_EQ(router_.Dispatch(Request("HEAD", "/a/kitchen/b")).status, 200);
   EXPECT_EQ(router_.Dispatch(Request("GET", "/")).status, 200);
 }

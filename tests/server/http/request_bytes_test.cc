@@ -106,6 +106,17 @@ TEST(RequestHead, ClosesWhereTheListOfTheConnectionSaysSo) {
   EXPECT_FALSE(closes("") || closes(",") || closes("keep-alive") || closes("closed, TE"));
 }
 
+// RFC 9112, section 9.3.
+TEST(RequestHead, OlderClientsMustAskForTheConnectionToBeKept) {
+  const auto closes = [](const std::string& headers) {
+    return ParseRequestHead("GET / HTTP/1.0\r\n" + headers + "\r\n").close;
+  };
+  EXPECT_TRUE(closes("") && closes("Connection: TE\r\n") && closes("Keep-Alive: timeout=5\r\n"));
+  EXPECT_TRUE(closes("Connection: keep-alive\r\nConnection: Close\r\n"));
+  EXPECT_FALSE(closes("Connection: Keep-Alive\r\n") || closes("connection: keep-alive\r\n"));
+  EXPECT_FALSE(closes("Connection: TE , KEEP-ALIVE\r\n"));
+}
+
 TEST(RequestHead, OlderClientsHaveNeitherCodingsNorExpectations) {
   const std::string line = "POST / HTTP/1.0\r\n";
   EXPECT_TRUE(ParseRequestHead(line + "Transfer-Encoding: chunked\r\n\r\n").refusal);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/http/http_server.h"
+#include "server/http/responses.h"
 #include "server/http/router.h"
 #include "tests/server/http/raw_client.h"
 
@@ -85,6 +86,41 @@ TEST_F(RequestLines, HeadersAreReadAsTheyWereSent) {
       "GET /token HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer a%41b\r\nConnection: x, "
       "Close\r\n\r\n");
   EXPECT_TRUE(text.ends_with("\r\n\r\nBearer a%41b")) << text;
+}
+
+// RFC 9110, section 5.3.
+TEST_F(RequestLines, LinesOfOneHeaderAreAList) {
+  router_.Add("GET", "/known", [](const HttpRequest& in, const auto&) {
+    return HttpResponse{IsKnown(in, "\"b\"") ? 304 : 200, "text/plain", "", {}};
+  });
+  const auto ask = [this](const std::string& headers) {
+    return Exchange("GET /known HTTP/1.1\r\nHost: x\r\n" + headers + "Connection: close\r\n\r\n");
+  };
+  EXPECT_NE(ask("If-None-Match: \"a\"\r\nif-none-match: \"b\"\r\n").find(" 304 "),
+            std::string::npos);
+  EXPECT_NE(ask("If-None-Match: \"a\"\r\n").find(" 200 "), std::string::npos);
+}
+
+// RFC 9112, section 9.3.
+TEST_F(RequestLines, AnswersSayWhetherTheConnectionIsKept) {
+  const auto keeps = [this](const std::string& version, const std::string& headers) {
+    RawClient client(server_->port());
+    client.Send("GET /hello " + version + "\r\nHost: x\r\n" + headers + "\r\n");
+    const std::string text = client.Receive("hello");
+    const bool kept = text.find("\r\nConnection: keep-alive\r\n") != std::string::npos;
+    EXPECT_EQ(text.find("\r\nKeep-Alive: timeout=30\r\n") != std::string::npos, kept) << text;
+    EXPECT_EQ(text.find("\r\nConnection: close\r\n") == std::string::npos, kept) << text;
+    if (kept) client.Send("GET /hello HTTP/1.0\r\n\r\n");
+    EXPECT_EQ(client.Receive().find("200 OK") != std::string::npos, kept);
+    return kept;
+  };
+  EXPECT_TRUE(keeps("HTTP/1.1", ""));
+  EXPECT_TRUE(keeps("HTTP/1.0", "Connection: keep-alive\r\n"));
+  EXPECT_TRUE(keeps("HTTP/1.0", "Connection: Keep-Alive\r\n"));
+  EXPECT_TRUE(keeps("HTTP/1.0", "Connection: TE, Keep-Alive\r\n"));
+  EXPECT_FALSE(keeps("HTTP/1.0", ""));
+  EXPECT_FALSE(keeps("HTTP/1.1", "Connection: close\r\n"));
+  EXPECT_FALSE(keeps("HTTP/1.1", "Connection: keep-alive, CLOSE\r\n"));
 }
 
 // RFC 9110, section 10.1.1: the client needn't send a body that is refused.

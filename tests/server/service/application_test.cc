@@ -110,6 +110,7 @@ TEST_F(ApplicationTest, OnlyTokensLetIn) {
   EXPECT_EQ(Ask("GET", "/page/main.js").status, 200);
   EXPECT_EQ(Ask("GET", "/plain").status, 401);
   EXPECT_EQ(Ask("GET", "/page").status, 401);
+  EXPECT_EQ(Ask("GET", "/page%2Fmain.js").status, 401);
 }
 
 TEST_F(ApplicationTest, TokenFilesAreChecked) {

@@ -83,6 +83,23 @@ TEST(LocalizeRequest, FormsHoldSeveralImagesAndARequest) {
   EXPECT_FALSE(request.previous->belief);
 }
 
+// RFC 2046, section 5.1.1, and RFC 5322, section 2.2.3.
+TEST(LocalizeRequest, FormsMayHaveAPreamblePaddingAndFoldedHeaders) {
+  const std::string part = Part("name=image; filename=a.jpg", "one");
+  const std::string end = "--B--\r\n";
+  const std::string padded = "--B \t" + part.substr(3);
+  const std::string folded =
+      "--B\r\nContent-Type: image/jpeg;\r\n name=request\r\nContent-Disposition: form-data;\r\n"
+      "\tname=image;\r\n  filename=a.jpg\r\n\r\none\r\n";
+  for (const std::string& body : {"\r\n" + part + end, "This is a form: --B\r\n\r\n" + part + end,
+                                  padded + end, part + padded + end, folded + end}) {
+    const QueryRequest request = Read(kForm, body);
+    ASSERT_FALSE(request.images.empty()) << body;
+    EXPECT_EQ(request.images.back().name, "a.jpg") << body;
+    EXPECT_EQ(request.images.back().bytes, "one") << body;
+  }
+}
+
 TEST(LocalizeRequest, JsonHoldsBase64) {
   const QueryRequest request = Read("application/json; charset=utf-8",
                                     R"({"camera":"walk","images":[{"name":"x","data":"aGVsbG8="},)"
@@ -198,6 +215,7 @@ TEST(LocalizeRequest, BrokenFormsAreBadRequests) {
   const std::string image = Part("name=image", "x");
   for (const std::string& body : std::vector<std::string>{
            "", "x", "--B", "--B--", "--B\r\n", "--B\r\n--B--", image, image + "--Bx",
+           "x" + image + "--B--", "--B x" + image.substr(3) + "--B--", "--B  ", image + "--B --",
            "--B\r\n\r\nx\r\n--B--", Part("name=x", "") + "--B--", Part("filename=x", "") + "--B--",
            Part("name=request", "{}") + "--B--",
            Part("name=request", "{}") + Part("name=request", "{}") + "--B--",

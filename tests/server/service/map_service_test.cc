@@ -198,6 +198,15 @@ TEST_F(MapServiceTest, WhatIsNotThereIsNotFound) {
   }
 }
 
+TEST_F(MapServiceTest, AnEncodedSlashIsPartOfAName) {
+  for (const char* path : {"/v1/maps/lab%2Fplanes", "/v1/maps/lab%2Fplanes/2", "/v1%2Fmaps/lab",
+                           "/v1/maps/lab/planes%2F2", "/v1/maps/..%2Flab"}) {
+    EXPECT_EQ(Get(path).status, 404) << path;
+  }
+  const std::string body = Get("/v1/maps/lab%2Fplanes").body;
+  EXPECT_NE(body.find("no map 'lab/planes'"), std::string::npos) << body;
+}
+
 TEST_F(MapServiceTest, SameVersionIsNotSentAgain) {
   const std::string etag = HeaderOf(Get("/v1/maps/lab/graph"), "ETag");
   EXPECT_EQ(etag, std::string("\"sha256:abc123-") + kVersion + "\"");
@@ -206,6 +215,7 @@ TEST_F(MapServiceTest, SameVersionIsNotSentAgain) {
   EXPECT_EQ(again.body, "");
   EXPECT_EQ(HeaderOf(again, "ETag"), etag);
   EXPECT_EQ(Get("/v1/maps/lab/graph", {}, "\"other\"").status, 200);
+  EXPECT_EQ(Get("/v1/maps/lab/graph", {}, "*").status, 304);
   EXPECT_EQ(Get("/v1/maps/lab/planes/99", {}, etag).status, 404);
 }
 

@@ -50,6 +50,7 @@ TEST_F(WebPageTest, HomeNamesFilesThatAreThere) {
   }
   EXPECT_EQ(Get("/page/main.js").content_type, "text/javascript; charset=utf-8");
   EXPECT_EQ(Get("/page/nothing.js").status, 404);
+  EXPECT_EQ(Get("/page%2Fmain.js").status, 404) << "an encoded slash separates nothing";
 }
 
 TEST_F(WebPageTest, CompressedOnlyForWhoTakesIt) {
@@ -75,6 +76,8 @@ TEST_F(WebPageTest, KnownBytesAreNotSentAgain) {
   EXPECT_EQ(again.status, 304);
   EXPECT_TRUE(again.body.empty());
   EXPECT_EQ(Get("/", "", HeaderOf(gzip, "ETag")).status, 200);
+  EXPECT_EQ(Get("/", "", "\"other\", W/" + HeaderOf(plain, "ETag")).status, 304);
+  EXPECT_EQ(Get("/", "", "*").status, 304) << "any version";
 }
 
 TEST_F(WebPageTest, AllowsNothingFromElsewhereAndNothingInline) {
