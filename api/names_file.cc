@@ -234,13 +234,12 @@ std::string TextField(const Json& object, const std::string& what, const char* n
 }
 
 int WholeField(const Json& object, const std::string& what, const char* name, int low) {
-  const Json& value = Field(object, what, name);
-  const bool whole = value.is_number_integer() && value >= low && value <= INT32_MAX;
-  if (!whole) {
+  const std::optional<int64_t> number = WholeNumber(Field(object, what, name));
+  if (!number || *number < low || *number > INT32_MAX) {
     RefuseRequest(what + ": " + name + " must be an integer of " + std::to_string(low) +
                   " or more");
   }
-  return value.get<int>();
+  return static_cast<int>(*number);
 }
 
 Eigen::Vector2d PointIn(const Json& value, const std::string& what) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "api/query_request_json.h"
 
+#include <cmath>
 #include <numbers>
 
 #include "api/hints_json.h"
@@ -86,6 +87,16 @@ Json ParseJson(std::string_view text, const JsonBounds& bounds) {
   }
 }
 
+std::optional<int64_t> WholeNumber(const Json& value) {
+  constexpr double kEnd = 0x1p63;  // one past the largest
+  if (value.is_number_unsigned() && value.get<uint64_t>() > INT64_MAX) return std::nullopt;
+  if (value.is_number_integer()) return value.get<int64_t>();
+  if (!value.is_number_float()) return std::nullopt;
+  const auto number = value.get<double>();
+  if (number != std::floor(number) || number < -kEnd || number >= kEnd) return std::nullopt;
+  return static_cast<int64_t>(number);
+}
+
 std::string NameIn(const Json& value, const std::string& field) {
   if (!value.is_string() || value.get_ref<const std::string&>().size() > kMaxNameBytes) {
     RefuseRequest(field + " must be a string of at most " + std::to_string(kMaxNameBytes) +
@@ -118,11 +129,8 @@ double NumberIn(const Json& value, const std::string& field, double low, double 
 }
 
 int64_t WholeIn(const Json& value, const std::string& field, int64_t low, int64_t high) {
-  if (value.is_number_integer()) {
-    const bool fits = !value.is_number_unsigned() || value.get<uint64_t>() <= INT64_MAX;
-    const int64_t number = fits ? value.get<int64_t>() : -1;
-    if (fits && number >= low && number <= high) return number;
-  }
+  const std::optional<int64_t> number = WholeNumber(value);
+  if (number && *number >= low && *number <= high) return *number;
   RefuseRequest(field + " must be an integer between " + std::to_string(low) + " and " +
                 std::to_string(high));
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -71,6 +73,10 @@ constexpr size_t kMaxFieldBytes = 200;
 
 // Refuses text that exceeds the bounds, and objects with a duplicate field.
 Json ParseJson(std::string_view text, const JsonBounds& bounds = kRequestBounds);
+
+// An integer that may be written with a fraction of zero, as 2.0: JSON Schema doesn't distinguish
+// these. Nothing for any other value, and beyond 64 bits.
+std::optional<int64_t> WholeNumber(const Json& value);
 
 // A text of at most kMaxNameBytes.
 std::string NameIn(const Json& value, const std::string& field);

@@ -10,6 +10,7 @@
 #include "core/base/check.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
+#include "core/geometry/angle.h"
 #include "localizer/appearance/appearance.h"
 #include "localizer/known_features.h"
 #include "localizer/localizer.h"
@@ -91,8 +92,10 @@ std::optional<FilterState> TakeBelief(const std::optional<PreviousAnswer>& previ
                                                  std::to_string(one.node.value) +
                                                  "; omit `previous` after the map has changed");
     }
+    // At most half a turn: a whole one could be rounded to more than requests may have.
+    const double heading_rad = std::remainder(one.heading_rad, 2 * kPi);
     belief.push_back(
-        {static_cast<int>(node - nodes.begin()), one.probability, one.heading_rad, one.sigma_rad});
+        {static_cast<int>(node - nodes.begin()), one.probability, heading_rad, one.sigma_rad});
   }
   return belief;
 }

@@ -102,20 +102,30 @@ std::optional<PositionErrors> PositionsOf(const std::vector<ScoredQuery>& querie
   return position;
 }
 
+// Nothing for a share of none.
+std::optional<double> ShareOf(std::ptrdiff_t part, std::ptrdiff_t all) {
+  if (all == 0) return std::nullopt;
+  return static_cast<double>(part) / static_cast<double>(all);
+}
+
 std::vector<WithinTolerance> MeasureTolerances(const std::vector<ScoredQuery>& queries) {
-  const auto positives =
-      std::ranges::count_if(queries, [](const ScoredQuery& query) { return !query.truth.empty(); });
+  const auto is_positive = [](const ScoredQuery& query) { return !query.truth.empty(); };
+  const auto positives = std::ranges::count_if(queries, is_positive);
+  const auto oriented = std::ranges::count_if(queries, [&](const ScoredQuery& query) {
+    return is_positive(query) && query.has_true_angle;
+  });
   std::vector<WithinTolerance> within;
   for (const auto& [metres, degrees] : kTolerances) {
     int position = 0;
     int pose = 0;
     for (const ScoredQuery& query : queries) {
-      if (query.truth.empty() || !query.error || query.error->metres > metres) continue;
+      if (!is_positive(query) || !query.error || query.error->metres > metres) continue;
       ++position;
-      pose += query.error->rad && *query.error->rad <= degrees * kDegree;
+      const std::optional<double>& rad = query.error->rad;
+      pose += query.has_true_angle && rad && *rad <= degrees * kDegree;
     }
-    const auto all = static_cast<double>(std::max<std::ptrdiff_t>(1, positives));
-    within.push_back({metres, degrees, position / all, pose / all});
+    within.push_back(
+        {metres, degrees, ShareOf(position, positives).value_or(0), ShareOf(pose, oriented)});
   }
   return within;
 }
@@ -196,14 +206,13 @@ Evaluation Evaluate(const MapIndex& index, const std::vector<ScoredQuery>& queri
       evaluation.threshold = std::max(evaluation.threshold, query.answer.probability);
     }
   }
-  const double positives = std::max(1, evaluation.positives);
   const int localized = evaluation.right + evaluation.wrong + evaluation.false_accepts;
-  evaluation.recall = evaluation.right / positives;
-  evaluation.precision = localized == 0 ? 1 : static_cast<double>(evaluation.right) / localized;
+  evaluation.recall = ShareOf(evaluation.right, evaluation.positives);
+  evaluation.precision = ShareOf(evaluation.right, localized);
   const auto sure = std::count_if(right.begin(), right.end(), [&](double probability) {
     return probability > evaluation.threshold;
   });
-  evaluation.recall_at_full_precision = static_cast<double>(sure) / positives;
+  evaluation.recall_at_full_precision = ShareOf(sure, evaluation.positives);
   MeasureReliability(index, queries, evaluation);
   evaluation.latency = SummarizeLatency(queries);
   evaluation.position = PositionsOf(queries);

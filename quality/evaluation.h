@@ -19,6 +19,7 @@ struct ScoredQuery {
   std::vector<PlaceId> truth;
   Answer answer;
   std::optional<PoseError> error;  // of a localized answer, where the true poses are known
+  bool has_true_angle = false;     // the orientations of it and of the map's images are known
 };
 
 // Whether a place is one of the true ones or next to one: a keyframe that saw a plane which a true
@@ -72,12 +73,13 @@ struct PositionErrors {
   double max_m = 0;
 };
 
-// Shares of the positives that are localized within a distance and an angle.
+// Shares of the positives that are localized within a distance and an angle. An answer without a
+// heading is within no angle; positives of unknown orientation don't count in `pose`.
 struct WithinTolerance {
   double metres = 0;
   double degrees = 0;
-  double position = 0;  // within the distance, whatever the angle
-  double pose = 0;      // within both; an answer without a heading isn't
+  double position = 0;         // within the distance, whatever the angle
+  std::optional<double> pose;  // within both; nothing where no orientation is known
 };
 
 // The tolerances of Sattler et al. (2018), and a finer one for maps with poses.
@@ -94,12 +96,12 @@ struct Evaluation {
   int ambiguous_positives = 0;
   int ambiguous_negatives = 0;
   int bad_images = 0;
-  double recall = 0;     // right over positives; 0 without positives
-  double precision = 0;  // right over all localized; 1 without any
+  std::optional<double> recall;     // right over positives; nothing without positives
+  std::optional<double> precision;  // right over all localized; nothing without any
   // The share of the positives that are answered right when only localized answers with a
   // probability above `threshold` count, which is the highest probability of a false one (-1
-  // without any).
-  double recall_at_full_precision = 0;
+  // without any). Nothing without positives.
+  std::optional<double> recall_at_full_precision;
   double threshold = -1;
   std::vector<ReliabilityBin> reliability;            // of all answers about readable images
   std::vector<ReliabilityBin> reliability_localized;  // of the localized ones

@@ -41,7 +41,7 @@ void CheckJobSpec(const JobSpec& spec) {
 std::string TextOf(const JobSpec& spec) {
   return Dump({{"sources", spec.sources},
                {"options", spec.options},
-               {"tags", spec.tags},
+               {"tags", SortedTags(spec.tags)},
                {"part_frames", spec.part_frames},
                {"max_attempts", spec.max_attempts}});
 }

@@ -23,8 +23,8 @@ struct JobSpec {
 // that isn't UTF-8, and numbers out of range. The functions here are pure; thread-safe.
 void CheckJobSpec(const JobSpec& spec);
 
-// The form in which the database holds it. Reading throws MapError(kFileUnreadable) for any other
-// text, and for what CheckJobSpec refuses.
+// The form in which the database holds it, with each tag once, sorted. Reading throws
+// MapError(kFileUnreadable) for any other text, and for what CheckJobSpec refuses.
 std::string TextOf(const JobSpec& spec);
 JobSpec ReadJobSpec(const std::string& name, const std::string& text);
 

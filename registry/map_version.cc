@@ -98,6 +98,7 @@ MapVersion MakeVersion(const std::string& name, const MapIndex& index, int64_t b
                        std::vector<std::string> tags, const std::optional<CoarseFile>& coarse) {
   CheckMapName(name);
   CheckTags(tags);
+  tags = SortedTags(std::move(tags));
   const MapData& map = index.map();
   Json details = {
       {"schema_version", kSchemaVersion}, {"feature_type", NameOf(map.info.feature_type)},
@@ -125,6 +126,13 @@ void CheckTags(const std::vector<std::string>& tags) {
                                           std::to_string(kMaxMapNameBytes) +
                                           " bytes of UTF-8 without control characters");
   }
+}
+
+std::vector<std::string> SortedTags(std::vector<std::string> tags) {
+  std::ranges::sort(tags);
+  const auto repeated = std::ranges::unique(tags);
+  tags.erase(repeated.begin(), repeated.end());
+  return tags;
 }
 
 void CheckMapName(const std::string& name) {
@@ -175,6 +183,7 @@ MapTraits TraitsOf(const MapVersion& version) {
   for (const Json& tag : details.value("tags", Json::array())) {
     if (tag.is_string()) traits.tags.push_back(tag.get<std::string>());
   }
+  traits.tags = SortedTags(std::move(traits.tags));  // earlier programs didn't sort them
   const Json bounds = details.value("bounds", Json());
   if (bounds.is_object() && bounds.value("frame", Json()).is_string()) {
     traits.min = NumbersIn(bounds.value("min", Json()));

@@ -30,7 +30,7 @@ struct MapVersion {
   //   places        names of its named places, each once, sorted
   //   bounds        {frame, metres_per_unit (null if not known), min, max} of its keyframes in the
   //                 frame of the poses, or of its panoramas; null for maps without positions
-  //   tags          given at publication
+  //   tags          given at publication, each once, sorted
   //   coarse        {sha256, bytes} of its entry of the coarse index; missing where it has none,
   //                 and in versions published before there was such an index
   //   published_at  UTC by the publisher's clock, for people: nothing depends on it
@@ -55,6 +55,8 @@ MapVersion MakeVersion(const std::string& name, const MapIndex& index, int64_t b
 void CheckMapName(const std::string& name);
 // The same for tags: each must be 1 to 100 bytes of UTF-8 without control characters.
 void CheckTags(const std::vector<std::string>& tags);
+// Each tag once, sorted: neither the order nor repetitions make a difference.
+std::vector<std::string> SortedTags(std::vector<std::string> tags);
 
 // The name of this machine, for people; "unknown" where the system doesn't tell it.
 std::string HostName();

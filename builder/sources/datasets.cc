@@ -40,16 +40,30 @@ std::optional<double> ToFinite(std::string_view word) {
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
-// Time stamps of a KITTI sequence, one per line; none when the file is missing.
+// Time stamps of a KITTI sequence, one per line, in order; none when the file is missing.
 std::vector<double> ReadKittiTimes(const fs::path& file) {
   std::vector<double> times;
   if (!Exists(file)) return times;
   for (const TextLine& line : ReadLines(file, ErrorCode::kBadSource)) {
     const auto time = ToFinite(line.text);
     if (!time) RefuseLine(file, line, "a time in seconds");
+    if (!times.empty() && *time < times.back()) {
+      RefuseLine(file, line, "a time at or after that of the line before");
+    }
     times.push_back(*time);
   }
   return times;
+}
+
+// The file's name is the number of its line: a list may have the times of images that aren't there.
+double FindKittiTime(const fs::path& file, const std::vector<double>& times,
+                     const fs::path& image) {
+  const auto number = ToInteger(image.stem().string());
+  if (number && *number >= 0 && *number < std::ssize(times)) return times[*number];
+  throw MapError(ErrorCode::kBadSource,
+                 Quoted(file) + " has no time of " + Quoted(image) + ": it has " +
+                     std::to_string(times.size()) +
+                     " lines, the first for image 0; add the others or remove the file");
 }
 
 // The projection matrix `key` of a KITTI calib.txt: "P0: " and a 3x4 matrix, row by row.
@@ -111,15 +125,13 @@ std::optional<ImageList> RecogniseKitti(const fs::path& folder) {
   const bool described = Exists(folder / "times.txt") || Exists(calibration);
   if (camera == kCameras.end() || !described) return std::nullopt;
   const std::string images = "image_" + std::to_string(*camera);
-  const std::vector<double> times = ReadKittiTimes(folder / "times.txt");
+  const fs::path times_file = folder / "times.txt";
+  const bool timed = Exists(times_file);
+  const std::vector<double> times = ReadKittiTimes(times_file);
   ImageList list = ListFolder(folder / images);
   for (ListedImage& image : list.images) {
-    // The file's name is the number of its line.
-    const auto number = ToInteger(image.path.stem().string());
-    if (number && *number >= 0 && *number < static_cast<int64_t>(times.size())) {
-      image.time_s = times[*number];
-    }
     image.path = images / image.path;
+    if (timed) image.time_s = FindKittiTime(times_file, times, image.path);
   }
   list.kind = kKittiKind;
   list.title = "KITTI sequence";

@@ -28,6 +28,20 @@ ErrorCode CodeOf(const ClientError& error) {
   return ErrorCode::kFileUnreadable;
 }
 
+// Throws unless the answer has what a line of it is made of.
+void CheckAnswer(const Json& answer) {
+  const auto at = [&answer](const char* path) {
+    const Json::json_pointer pointer(path);
+    return answer.contains(pointer) ? answer.at(pointer) : Json();
+  };
+  const bool is_place = answer.contains("place") && at("/planes").is_array();
+  const bool whole = at("/image").is_string() && at("/verdict").is_string() &&
+                     at("/timing_ms/total").is_number() &&
+                     (is_place || at("/verdict") != "localized");
+  if (whole) return;
+  throw ClientError("bad_answer", 200, "the response is no answer of Waystone; check the address");
+}
+
 }  // namespace
 
 void AddServerFlags(CLI::App* command, ServerFlags& flags) {
@@ -56,7 +70,10 @@ Json AskServer(const ServerFlags& flags, const std::string& map, const std::stri
                const std::string& bytes, const Json& request) {
   try {
     const Client client(flags.url, {.token = TokenOf(flags)});
-    return client.Localize(Photo{name, bytes}, map == "-" ? "" : map, request);
+    Json answer = client.Localize(Photo{name, bytes}, map == "-" ? "" : map, request);
+    CheckAnswer(answer);
+    answer["image"] = name;  // forms and servers keep neither all characters nor any length
+    return answer;
   } catch (const ClientError& error) {
     throw MapError(CodeOf(error), flags.url + ": " + error.what());
   }

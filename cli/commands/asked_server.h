@@ -20,9 +20,10 @@ void AddServerFlags(CLI::App* command, ServerFlags& flags);
 void CheckServerFlags(const ServerFlags& flags);
 
 // Asks a server where a photo was taken: in the map of that name, or in all maps for "-", with the
-// fields of `request` (docs/http-api.md). Throws MapError for whatever keeps it from answering,
-// with the server's own code where it gave one: kFileUnreadable for a server that can't be reached
-// or doesn't answer as ours do.
+// fields of `request` (docs/http-api.md). The answer has what AnswerLine prints, and names the
+// photo as `name`. Throws MapError for whatever keeps it from answering, with the server's own code
+// where it gave one: kFileUnreadable for a server that can't be reached, doesn't answer in a
+// minute, or doesn't answer as ours do.
 Json AskServer(const ServerFlags& flags, const std::string& map, const std::string& name,
                const std::string& bytes, const Json& request = {});
 

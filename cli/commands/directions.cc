@@ -172,13 +172,28 @@ bool AnswerSequence(const RigSequence& sequence, const DirectionsFlags& flags) {
   return all_read;
 }
 
-int RunDirections(const DirectionsFlags& flags) {
+// Those that can be opened, after a message for each that can't.
+std::vector<RigSequence> OpenAll(const DirectionsFlags& flags) {
   RigOptions options;
-  if (!flags.camera.empty()) options.rig_file = flags.camera;
+  if (!flags.camera.empty()) {
+    options.rig_file = flags.camera;
+    (void)ReadRigFile(flags.camera);  // fails once, not for each photo
+  }
   std::vector<RigSequence> sequences;
-  for (const std::string& path : flags.photos) sequences.push_back(OpenRigSequence(path, options));
+  for (const std::string& path : flags.photos) {
+    try {
+      sequences.push_back(OpenRigSequence(path, options));
+    } catch (const MapError& error) {
+      std::cerr << "waystone: " << Printable(error.what()) << '\n';
+    }
+  }
+  return sequences;
+}
+
+int RunDirections(const DirectionsFlags& flags) {
+  const std::vector<RigSequence> sequences = OpenAll(flags);
   if (!flags.draw.empty()) CheckPictures(sequences, flags.draw);
-  bool all_read = true;
+  bool all_read = sequences.size() == flags.photos.size();
   for (const RigSequence& sequence : sequences) all_read &= AnswerSequence(sequence, flags);
   return all_read ? 0 : InfoOf(ErrorCode::kBadImage).exit_code;
 }

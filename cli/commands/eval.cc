@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
@@ -55,11 +56,17 @@ std::vector<LabelledQuery> ReadQueries(const EvalFlags& flags, const MapIndex& i
   return all;
 }
 
+// Without rotations of the map's images, no angle of an answer can be measured.
+bool HaveRotations(const PlacePoses& places) {
+  return std::ranges::any_of(places, [](const auto& place) { return place.second.has_rotation; });
+}
+
 ScoredQuery Ask(const OpenMap& map, const LabelledQuery& query, const PlacePoses& places) {
   ScoredQuery scored;
   scored.truth = query.truth;
   scored.answer = Localize(*map.index, ReadBytes(query.image), query.image.string(), {});
   if (!query.pose) return scored;
+  scored.has_true_angle = query.pose->has_rotation && HaveRotations(places);
   const auto metres_per_unit = MetresPerUnit(map.index->map(), places);
   scored.error =
       ComparePose(scored.answer, places, metres_per_unit, *query.pose, map.index->map().poses);

@@ -58,9 +58,10 @@ void SetOptions(const std::vector<std::string>& settings, Options& options) {
     if (SetField("", options, name, setting.substr(equals + 1))) continue;
     std::vector<std::string> names;
     for (const OptionLine& line : CollectLines<Options>()) names.push_back(line.name);
-    throw MapError(ErrorCode::kUsage, "there is no option '" + name + "'; did you mean '" +
-                                          NearestName(name, names) +
-                                          "'? `waystone options` lists all");
+    const std::string nearest = NearestName(name, names);
+    const std::string question = nearest.empty() ? "" : "did you mean '" + nearest + "'? ";
+    throw MapError(ErrorCode::kUsage, "there is no option '" + name + "'; " + question +
+                                          "`waystone options` lists all");
   }
 }
 

@@ -117,20 +117,38 @@ const std::vector<AppearanceNode>& NodesOf(const MapData& map) {
   return map.appearance ? map.appearance->nodes : none;
 }
 
+// The numbers, from 1, of the sessions with a name.
+std::vector<int64_t> SessionsNamed(const std::vector<MapSession>& sessions,
+                                   const std::string& name) {
+  std::vector<int64_t> numbers;
+  for (int64_t number = 1; const MapSession& session : sessions) {
+    if (session.name == name) numbers.push_back(number);
+    ++number;
+  }
+  return numbers;
+}
+
+// A session may have another one's number as its name.
 const MapSession& FindSession(const std::vector<MapSession>& sessions, const std::string& text) {
-  std::vector<const MapSession*> named;
-  for (const MapSession& session : sessions) {
-    if (session.name == text) named.push_back(&session);
-  }
-  if (named.size() == 1) return *named.front();
-  if (named.size() > 1) {
-    throw MapError(ErrorCode::kNotFound, std::to_string(named.size()) + " sessions are named " +
-                                             QuoteShortened(text) + "; give the number of one");
-  }
+  const auto at = [&](int64_t number) -> const MapSession& {
+    return sessions[static_cast<size_t>(number - 1)];
+  };
+  const std::vector<int64_t> named = SessionsNamed(sessions, text);
   const std::optional<int64_t> number = ToInteger(text);
-  if (number && *number >= 1 && *number <= std::ssize(sessions)) {
-    return sessions[static_cast<size_t>(*number - 1)];
+  const bool is_number = number && *number >= 1 && *number <= std::ssize(sessions);
+  if (is_number && std::ranges::any_of(named, [&](int64_t other) { return other != *number; })) {
+    throw MapError(ErrorCode::kUsage,
+                   QuoteShortened(text) + " is the number of session " +
+                       QuoteShortened(at(*number).name) + " and the name of session " +
+                       std::to_string(named.front() != *number ? named.front() : named.back()) +
+                       "; give the other name or number, or ids with --keyframes or --nodes");
   }
+  if (named.size() > 1) {
+    throw MapError(ErrorCode::kUsage, std::to_string(named.size()) + " sessions are named " +
+                                          QuoteShortened(text) + "; give the number of one");
+  }
+  if (named.size() == 1) return at(named.front());
+  if (is_number) return at(*number);
   throw MapError(ErrorCode::kNotFound, "the map has no session " + QuoteShortened(text) +
                                            "; it has " + std::to_string(sessions.size()) +
                                            ", which waystone info lists");

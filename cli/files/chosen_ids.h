@@ -31,7 +31,8 @@ std::set<KeyframeId> KeyframesOfPlace(const MapData& map, const std::string& nam
 std::set<AppearanceNodeId> NodesOfPlace(const MapData& map, const std::string& name);
 
 // Those of a session, given by its number (from 1, in the order of `waystone info`) or its name,
-// and its sequences. Throws MapError(kNotFound) where there is none, or several have the name.
+// and its sequences. Throws MapError: kNotFound where there is none; kUsage where several have the
+// name, or one has another one's number as its name.
 std::set<KeyframeId> KeyframesOfSession(const MapData& map, const std::string& session);
 std::set<AppearanceNodeId> NodesOfSession(const MapData& map, const std::string& session);
 std::set<SequenceId> SequencesOfSession(const MapData& map, const std::string& session);

@@ -2,7 +2,9 @@
 #include "cli/files/given_poses.h"
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -47,8 +49,10 @@ Eigen::Isometry3d ParseTransform(const std::string& text) {
 // The pose of an image that the user names as the poses do: by name, time or number.
 Eigen::Vector3d FindPosition(const ImagePoses& images, const std::string& image,
                              const std::string& file) {
-  const auto number = ToInteger(image);
-  const auto pose = images.Find(image, ToNumber(image), number ? static_cast<int>(*number) : -1);
+  const std::optional<int64_t> whole = ToInteger(image);
+  const bool is_frame = whole && std::in_range<int>(*whole);
+  const auto number = is_frame ? std::optional(static_cast<int>(*whole)) : std::nullopt;
+  const auto pose = images.Find(image, ToNumber(image), number);
   if (pose) return pose->world_from_camera.translation();
   throw MapError(ErrorCode::kBadRequest,
                  "--scale-by: " + file + " has no pose of '" + Printable(image) +
@@ -81,10 +85,18 @@ double FindScale(const ImagePoses& images, const PoseFlags& flags) {
 void CheckPoseFlags(const PoseFlags& flags) {
   UnitByName(flags.unit);
   ParseTransform(flags.body_from_camera);
-  if (!flags.scale_by.empty()) DistanceOf(flags);
+  if (flags.scale_by.empty()) return;
+  DistanceOf(flags);
+  if (UnitByName(flags.unit) == LengthUnit::kMetres) {
+    throw MapError(
+        ErrorCode::kUsage,
+        "--scale-by scales poses of unknown unit, but --unit is metres; leave out one of "
+        "them");
+  }
 }
 
 GivenPoses ReadGivenPoses(const PoseFlags& flags, int sources) {
+  CheckPoseFlags(flags);
   std::vector<FilePose> poses = ReadPoseFile(flags.file);
   for (const FilePose& pose : poses) {
     if (pose.pose.has_rotation) continue;

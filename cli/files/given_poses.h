@@ -23,10 +23,11 @@ struct PoseFlags {
 // The poses of a file (ReadPoseFile) by name, time or number of an image, each multiplied by the
 // camera's pose on the body that they are of. Throws MapError: as ReadPoseFile; kBadRequest for
 // poses without rotations, numbered poses with several sources, or two images of --scale-by that
-// have no poses or the same position; kUsage for an invalid unit, transform or distance.
+// have no poses or the same position; kUsage as CheckPoseFlags.
 GivenPoses ReadGivenPoses(const PoseFlags& flags, int sources);
 
-// Checks what can be checked without the file. Throws MapError(kUsage).
+// Checks what can be checked without the file. Throws MapError(kUsage) for an invalid unit,
+// transform or distance, and for a scale of poses in metres.
 void CheckPoseFlags(const PoseFlags& flags);
 
 }  // namespace waystone

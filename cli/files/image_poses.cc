@@ -38,6 +38,7 @@ ImagePoses::ImagePoses(std::vector<FilePose> poses, double max_gap_s)
     if (!pose.name.empty()) by_name_.emplace(pose.name, &pose.pose);
     if (pose.time_s) by_time_.push_back(&pose);
     by_number_.emplace(pose.number, &pose.pose);
+    have_frames_ = have_frames_ || pose.has_frame;
   }
   // Without extension, too, unless that is another one's name: a video's frames have none.
   for (const FilePose& pose : poses_) {
@@ -74,13 +75,16 @@ std::optional<TruePose> ImagePoses::FindTimed(double time_s) const {
 }
 
 std::optional<TruePose> ImagePoses::Find(const std::string& name,
-                                         const std::optional<double>& time_s, int number) const {
+                                         const std::optional<double>& time_s,
+                                         const std::optional<int>& number) const {
   if (!by_name_.empty()) {
     const TruePose* named = FindNamed(name);
     return named ? std::optional(*named) : std::nullopt;
   }
-  if (time_s && !by_time_.empty()) return FindTimed(*time_s);
-  const auto found = by_number_.find(number);
+  const bool by_frame = have_frames_ && number;
+  if (time_s && !by_time_.empty() && !by_frame) return FindTimed(*time_s);
+  if (!number) return std::nullopt;
+  const auto found = by_number_.find(*number);
   return found == by_number_.end() ? std::nullopt : std::optional(*found->second);
 }
 

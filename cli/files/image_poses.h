@@ -18,14 +18,15 @@ class ImagePoses {
   ImagePoses(const ImagePoses&) = delete;
   ImagePoses& operator=(const ImagePoses&) = delete;
 
-  // By name (also without its folders or its extension), else by time stamp, else by number, where
-  // the poses have no names or stamps. Where none can be interpolated, a pose within 20 ms is
-  // taken. Nothing where none matches.
+  // By name (also without its folders or its extension) where the poses have names; else by number
+  // where the file gives frame numbers; else by time stamp, else by the pose's place in the file.
+  // Where none can be interpolated, a pose within 20 ms is taken. Nothing where none matches.
   std::optional<TruePose> Find(const std::string& name, const std::optional<double>& time_s,
-                               int number) const;
+                               const std::optional<int>& number) const;
 
-  // Whether the poses have neither names nor time stamps.
-  bool AreNumbered() const { return by_name_.empty() && by_time_.empty(); }
+  bool AreNamed() const { return !by_name_.empty(); }
+  // Whether the poses have frame numbers, or neither names nor time stamps.
+  bool AreNumbered() const { return by_name_.empty() && (have_frames_ || by_time_.empty()); }
 
  private:
   const TruePose* FindNamed(const std::string& name) const;
@@ -33,6 +34,7 @@ class ImagePoses {
 
   std::vector<FilePose> poses_;
   double max_gap_s_;
+  bool have_frames_ = false;                                  // frame numbers go before time stamps
   std::unordered_map<std::string, const TruePose*> by_name_;  // into poses_, as the following
   std::unordered_map<int, const TruePose*> by_number_;
   std::vector<const FilePose*> by_time_;  // ascending

@@ -64,6 +64,14 @@ int FrameNumber(const CsvFile& file, const CsvFile::Row& row, size_t column) {
   return static_cast<int>(number);
 }
 
+// A frame number tells the image already: its time may be missing.
+std::optional<double> TimeStamp(const CsvFile& file, const CsvFile::Row& row, size_t column,
+                                bool has_frame) {
+  if (!has_frame) return file.Number(row, column);
+  const std::optional<double> time_s = ToNumber(row.cells[column]);
+  return time_s && std::isfinite(*time_s) ? time_s : std::nullopt;
+}
+
 std::optional<size_t> FirstColumn(const CsvFile& file, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     if (const auto column = file.Column(name)) return column;
@@ -89,8 +97,9 @@ std::vector<FilePose> ReadCsvPoses(const fs::path& path) {
     if (!read) continue;
     FilePose pose;
     if (name) pose.name = row.cells[*name];
-    if (time && !name && !frame) pose.time_s = file.Number(row, *time);
+    if (time && !name) pose.time_s = TimeStamp(file, row, *time, frame.has_value());
     pose.number = frame ? FrameNumber(file, row, *frame) : static_cast<int>(poses.size());
+    pose.has_frame = frame.has_value();
     pose.pose = *read;
     poses.push_back(std::move(pose));
   }
@@ -268,9 +277,13 @@ FilePose KittiPose(const std::vector<double>& n) {
   return pose;
 }
 
-// "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME", camera_from_world; a name may have blanks.
+// "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME", camera_from_world; a name may have blanks. A line
+// of numbers alone is none.
 std::optional<FilePose> ColmapPose(const std::vector<std::string>& fields) {
-  if (fields.size() < kColmapFields) return std::nullopt;
+  if (fields.size() < kColmapFields || !ToInteger(fields[0]) || !ToInteger(fields[8])) {
+    return std::nullopt;
+  }
+  if (ParseNumbers({fields.begin() + 9, fields.end()})) return std::nullopt;
   const auto n = ParseNumbers({fields.begin(), fields.begin() + 9});
   if (!n) return std::nullopt;
   FilePose pose;
@@ -279,6 +292,12 @@ std::optional<FilePose> ColmapPose(const std::vector<std::string>& fields) {
   pose.name = fields[9];
   for (size_t i = kColmapFields; i < fields.size(); ++i) pose.name += " " + fields[i];
   return pose;
+}
+
+// "X Y POINT3D_ID" any number of times, also none: the line after each of COLMAP's poses.
+bool IsColmapPoints(const std::vector<std::string>& fields) {
+  constexpr size_t kPointFields = 3;
+  return fields.size() % kPointFields == 0 && ParseNumbers(fields);
 }
 
 class TextPoses {
@@ -290,7 +309,11 @@ class TextPoses {
     std::string text;
     for (int line = 1; std::getline(in_, text); ++line) {
       const std::vector<std::string> fields = Words(text);
-      if (std::exchange(skip_, false) || fields.empty() || IsAside(fields[0])) continue;
+      if (std::exchange(expects_points_, false)) {
+        CheckPoints(fields, line);
+        continue;
+      }
+      if (fields.empty() || IsAside(fields[0])) continue;
       FilePose pose = Parse(text, fields, line);
       if (fields[0] != "VERTEX_SE3:QUAT") pose.number = static_cast<int>(poses.size());
       poses.push_back(std::move(pose));
@@ -312,8 +335,18 @@ class TextPoses {
     if (numbers && numbers->size() == kKittiNumbers) return KittiPose(*numbers);
     if (auto vertex = G2oPose(fields)) return vertex;
     std::optional<FilePose> pose = ColmapPose(fields);
-    skip_ = pose.has_value();  // the line of its points
+    expects_points_ = pose.has_value();
     return pose;
+  }
+
+  // Another pose instead would be lost.
+  void CheckPoints(const std::vector<std::string>& fields, int line) const {
+    if (IsColmapPoints(fields)) return;
+    throw MapError(ErrorCode::kBadRequest,
+                   path_.string() + ", line " + std::to_string(line) +
+                       ": not the points of the image in the line before (X Y POINT3D_ID ...); in "
+                       "COLMAP's images.txt, a line of points, which may be empty, follows each "
+                       "image: add it");
   }
 
   FilePose Parse(const std::string& text, const std::vector<std::string>& fields, int line) {
@@ -329,7 +362,7 @@ class TextPoses {
 
   fs::path path_;
   std::ifstream in_;
-  bool skip_ = false;
+  bool expects_points_ = false;  // in this line: the one before was a pose of COLMAP's
 };
 
 }  // namespace

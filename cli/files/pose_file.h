@@ -12,13 +12,14 @@
 
 namespace waystone {
 
-// A pose from a file, and what tells which image it belongs to: its name, its time stamp or,
-// without either, its number in the sequence.
+// A pose from a file, and what tells which image it belongs to: its name, its frame number, its
+// time stamp or, without any, its place in the file.
 struct FilePose {
   std::string name;
   std::optional<double> time_s;
   int number = 0;
   TruePose pose;
+  bool has_frame = false;  // `number` is a frame number that the file gives beside a time stamp
 };
 
 // Whether a file may have this pose: finite, with no coordinate beyond 1e12, in any unit. Pure;

@@ -2,7 +2,6 @@
 #include "cli/files/query_set.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -200,7 +199,13 @@ std::vector<PlaceId> TruthOf(const CsvFile& file, const CsvFile::Row& row,
                              const PlaceColumns& columns, const ImageNames& names) {
   const std::string& cell = row.cells[columns.keyframe ? *columns.keyframe : *columns.frame];
   std::vector<PlaceId> truth;
-  for (const std::string& name : SplitNames(cell)) {
+  const std::vector<std::string> place_names = SplitNames(cell);
+  if (place_names.empty() && !cell.empty()) {
+    file.Fail(row.line, "\"" + cell +
+                            "\" names no keyframe or frame; leave the field empty if the image is "
+                            "not in the map");
+  }
+  for (const std::string& name : place_names) {
     if (columns.keyframe) {
       const std::vector<PlaceId> named = ImageNamed(file, row.line, name, names);
       truth.insert(truth.end(), named.begin(), named.end());
@@ -224,6 +229,63 @@ fs::path ImageIn(const CsvFile& file, const CsvFile::Row& row, size_t column) {
                                                  std::to_string(row.line) +
                                                  ": file not found: " + image.string() +
                                                  "; paths are relative to the CSV file");
+}
+
+// The numbers in a text; a point between two digits is part of one.
+std::vector<std::string> NumbersIn(const std::string& text) {
+  constexpr const char* kDigits = "0123456789";
+  const auto end_of_digits = [&](size_t from) {
+    return std::min(text.find_first_not_of(kDigits, from), text.size());
+  };
+  std::vector<std::string> numbers;
+  for (size_t at = text.find_first_of(kDigits); at != std::string::npos;) {
+    size_t end = end_of_digits(at);
+    if (end < text.size() && text[end] == '.' && end_of_digits(end + 1) > end + 1) {
+      end = end_of_digits(end + 1);
+    }
+    numbers.push_back(text.substr(at, end - at));
+    at = text.find_first_of(kDigits, end);
+  }
+  return numbers;
+}
+
+// What the name of an image says about when it was taken.
+struct NameNumber {
+  std::string text;
+  std::optional<double> time_s;
+  std::optional<int> frame;
+};
+
+// A number with a fraction is a time stamp, and a whole one a frame number; where it is the whole
+// name, it may be either. Nothing where the name has no number, or several.
+std::optional<NameNumber> FindNumber(const std::string& stem) {
+  constexpr int64_t kMostFrames = 1'000'000'000;  // larger numbers can only be times
+  const std::vector<std::string> numbers = NumbersIn(stem);
+  if (numbers.size() != 1) return std::nullopt;
+  NameNumber found{numbers.front(), std::nullopt, std::nullopt};
+  const std::optional<int64_t> whole = ToInteger(found.text);
+  if (whole && *whole < kMostFrames) found.frame = static_cast<int>(*whole);
+  if (!found.frame || found.text == stem) found.time_s = ToNumber(found.text);
+  return found;
+}
+
+// Throws MapError(kNotFound) where none is found: a query's place in its folder says nothing.
+TruePose FindTruth(const fs::path& image, const ImagePoses& truth) {
+  const auto number = FindNumber(image.stem().string());
+  if (!number && !truth.AreNamed()) {
+    throw MapError(
+        ErrorCode::kNotFound,
+        image.string() +
+            " has no pose in the file of --truth: its name must have exactly one number, "
+            "a frame number or a time in seconds; rename it or add names to the file "
+            "(CSV with a column image)");
+  }
+  const NameNumber sought = number.value_or(NameNumber{});
+  if (const auto pose = truth.Find(image.string(), sought.time_s, sought.frame)) return *pose;
+  const std::string kind = !sought.frame ? "time " : sought.time_s ? "" : "frame ";
+  const std::string by = truth.AreNamed() ? "its name" : kind + sought.text;
+  throw MapError(ErrorCode::kNotFound, image.string() + " has no pose in the file of --truth (by " +
+                                           by + "); add it or remove the image");
 }
 
 }  // namespace
@@ -269,23 +331,12 @@ std::vector<LabelledQuery> ReadNegatives(const fs::path& folder) {
 std::vector<LabelledQuery> ReadPosedImages(const fs::path& folder, const ImagePoses& truth,
                                            const PlacePoses& places, double near_m) {
   std::vector<LabelledQuery> queries = ReadNegatives(folder);
-  for (size_t i = 0; i < queries.size(); ++i) {
-    const std::string stem = queries[i].image.stem().string();
-    const double time = ToNumber(stem).value_or(std::numeric_limits<double>::quiet_NaN());
-    const auto time_s = std::isfinite(time) ? std::optional(time) : std::nullopt;
-    constexpr double kMostFrames = 1e9;  // larger numbers can only be times
-    const int order = std::abs(time) < kMostFrames ? static_cast<int>(time) : static_cast<int>(i);
-    const std::optional<TruePose> pose = truth.Find(queries[i].image.string(), time_s, order);
-    if (!pose) {
-      throw MapError(ErrorCode::kNotFound, queries[i].image.string() +
-                                               " has no pose in the file of --truth; add it or "
-                                               "remove the image");
-    }
-    queries[i].pose = *pose;
+  for (LabelledQuery& query : queries) {
+    query.pose = FindTruth(query.image, truth);
+    const Eigen::Vector3d at = query.pose->world_from_camera.translation();
     for (const auto& [place, of_place] : places) {
-      const double apart =
-          (of_place.world_from_camera.translation() - pose->world_from_camera.translation()).norm();
-      if (apart <= near_m) queries[i].truth.push_back(place);
+      const double apart = (of_place.world_from_camera.translation() - at).norm();
+      if (apart <= near_m) query.truth.push_back(place);
     }
   }
   return queries;

@@ -23,9 +23,11 @@ struct LabelledQuery {
 // anything else that makes no sense. Those about a line name it.
 std::vector<LabelledQuery> ReadQuerySet(const std::filesystem::path& path, const MapIndex& index);
 
-// The images of a folder, ordered by path, with their poses: all places of the map within `near_m`
-// metres are true. Throws MapError: kFileUnreadable; kBadSource for a folder without any; kNotFound
-// for an image without a pose.
+// The images of a folder, ordered by path, with their poses: by name where the poses have names,
+// else by the only number in the image's name, which is a time stamp if it has a fraction, a frame
+// number if the name has other characters, and may be either if it is the whole name. All places of
+// the map within `near_m` metres are true. Throws MapError: kFileUnreadable; kBadSource for a
+// folder without any; kNotFound for an image without a pose, or with none or several numbers.
 std::vector<LabelledQuery> ReadPosedImages(const std::filesystem::path& folder,
                                            const ImagePoses& truth, const PlacePoses& places,
                                            double near_m);

@@ -54,6 +54,9 @@ std::string Where(const Json& answer) {
 std::string PoseText(const Json& answer) {
   const Json at = At(answer, {"pose", "position"});
   if (!at.is_array() || at.size() != 3) return "";
+  for (const Json& one : at) {
+    if (!one.is_number()) return "";
+  }
   char text[100];
   (void)std::snprintf(text, sizeof text, ", pose (%.3f, %.3f, %.3f)%s in ", at[0].get<double>(),
                       at[1].get<double>(), at[2].get<double>(),

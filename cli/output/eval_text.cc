@@ -18,15 +18,24 @@ __attribute__((format(printf, 1, 2))) std::string Format(const char* format, ...
   return line;
 }
 
+// "  83.3%"; "-" for a share of none.
+std::string ShareText(const std::optional<double>& share) {
+  return share ? Format("%6.1f%%", 100 * *share) : Format("%7s", "-");
+}
+
+Json ShareJson(const std::optional<double>& share) {
+  return share ? Json(Rounded(*share, 4)) : Json(nullptr);
+}
+
 std::string CountsLines(const Evaluation& e) {
   std::string text =
       Format("%d queries: %d in the map, %d not\n\n", e.queries, e.positives, e.negatives);
-  text += Format("  recall                 %6.1f%%  %d of %d localized correctly\n", 100 * e.recall,
-                 e.right, e.positives);
-  text += Format("  recall at 100%% prec.   %6.1f%%  ", 100 * e.recall_at_full_precision);
+  text += "  recall                 " + ShareText(e.recall) +
+          Format("  %d of %d localized correctly\n", e.right, e.positives);
+  text += "  recall at 100% prec.   " + ShareText(e.recall_at_full_precision) + "  ";
   text += e.threshold < 0 ? std::string("no false answers\n")
                           : Format("at probabilities above %.4f\n", e.threshold);
-  text += Format("  precision              %6.1f%%\n", 100 * e.precision);
+  text += "  precision              " + ShareText(e.precision) + "\n";
   text += Format("  wrong place            %6d\n", e.wrong);
   text +=
       Format("  false accepts          %6d   of %d not in the map\n", e.false_accepts, e.negatives);
@@ -82,8 +91,9 @@ std::string PositionLines(const PositionErrors& p) {
 std::string ToleranceLines(const std::vector<WithinTolerance>& within) {
   std::string text = "\n  of those in the map, localized within\n";
   for (const WithinTolerance& share : within) {
-    text += Format("  %4.2f m %6.1f%%, and %4.0f degrees %6.1f%%\n", share.metres,
-                   100 * share.position, share.degrees, 100 * share.pose);
+    text += Format("  %4.2f m %6.1f%%, and %4.0f degrees ", share.metres, 100 * share.position,
+                   share.degrees) +
+            ShareText(share.pose) + "\n";
   }
   return text;
 }
@@ -94,7 +104,7 @@ Json TolerancesJson(const std::vector<WithinTolerance>& within) {
     list.push_back({{"metres", share.metres},
                     {"degrees", share.degrees},
                     {"position", Rounded(share.position, 4)},
-                    {"pose", Rounded(share.pose, 4)}});
+                    {"pose", ShareJson(share.pose)}});
   }
   return list;
 }
@@ -152,9 +162,9 @@ Json EvaluationJson(const Evaluation& e) {
   json["false_accepts"] = e.false_accepts;
   json["ambiguous"] = {{"positives", e.ambiguous_positives}, {"negatives", e.ambiguous_negatives}};
   json["bad_images"] = e.bad_images;
-  json["recall"] = Rounded(e.recall, 4);
-  json["precision"] = Rounded(e.precision, 4);
-  json["recall_at_full_precision"] = Rounded(e.recall_at_full_precision, 4);
+  json["recall"] = ShareJson(e.recall);
+  json["precision"] = ShareJson(e.precision);
+  json["recall_at_full_precision"] = ShareJson(e.recall_at_full_precision);
   json["threshold"] = e.threshold < 0 ? Json(nullptr) : Json(e.threshold);
   json["reliability"] = BinsJson(e.reliability);
   json["reliability_localized"] = BinsJson(e.reliability_localized);

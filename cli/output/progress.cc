@@ -38,11 +38,11 @@ std::string CountsOf(const ProgressMeter::State& state) {
 }  // namespace
 
 ProgressStyle ProgressStyleByName(const std::string& name, bool quiet) {
-  if (name == "json") return ProgressStyle::kJson;
-  if (quiet || name == "none") return ProgressStyle::kNone;
-  if (name != "auto") {
+  if (name != "auto" && name != "none" && name != "json") {
     throw MapError(ErrorCode::kUsage, "--progress " + name + " is not auto, none or json");
   }
+  if (name == "json") return ProgressStyle::kJson;
+  if (quiet || name == "none") return ProgressStyle::kNone;
   return isatty(STDERR_FILENO) != 0 ? ProgressStyle::kBar : ProgressStyle::kLines;
 }
 

@@ -6,12 +6,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -25,7 +28,7 @@ class ClientError : public std::runtime_error {
   ClientError(std::string code, int status, const std::string& detail)
       : std::runtime_error(detail), code_(std::move(code)), status_(status) {}
 
-  // The contract's code, or "unreachable", "bad_answer" or "unreadable_photo".
+  // The contract's code, or "unreachable", "timeout", "bad_answer" or "unreadable_photo".
   const std::string& code() const { return code_; }
   // The HTTP status; 0 where no answer came.
   int status() const { return status_; }
@@ -40,6 +43,7 @@ struct ClientOptions {
   int timeout_s = 30;      // how long the server may be silent
   int retries = 3;         // while the server is busy
   int max_wait_s = 30;     // a longer Retry-After is not waited for
+  int total_s = 60;        // how long a call may take, including its retries and their waits
 };
 
 // An encoded image (JPEG, PNG, ...) and its name in the answer.
@@ -82,7 +86,7 @@ class Client {
                 const Json& request = {}) const {
     httplib::MultipartFormDataItems parts;
     for (const Photo& photo : photos) {
-      parts.push_back({"image", photo.bytes, Plain(photo.name), "application/octet-stream"});
+      parts.push_back({"image", photo.bytes, Quotable(photo.name), "application/octet-stream"});
     }
     if (!request.empty()) {
       // What isn't UTF-8 gets U+FFFD, which the server may refuse.
@@ -90,9 +94,13 @@ class Client {
       parts.push_back({"request", text, "", "application/json"});
     }
     const std::string target = map.empty() ? "/v1/localize" : MapPath(map) + "/localize";
-    return Parsed(Ask([&](httplib::Client& client, const httplib::Headers& headers) {
+    Json answer = Parsed(Ask([&](httplib::Client& client, const httplib::Headers& headers) {
       return client.Post(prefix_ + target, headers, parts);
     }));
+    if (!answer.is_object() || !answer.contains("verdict") || !answer["verdict"].is_string()) {
+      throw ClientError("bad_answer", 200, "the response is no answer; check the address");
+    }
+    return answer;
   }
 
   // Any path of the API, as parsed JSON: "/v1/maps", MapPath("lab") + "/planes".
@@ -172,24 +180,58 @@ class Client {
     return std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
   }
 
-  // A name for a form's header, without characters that would end it.
-  static std::string Plain(std::string name) {
-    for (char& c : name) {
-      if (c == '"' || c == '\\' || static_cast<unsigned char>(c) < ' ') c = '_';
+  // A name for a quoted string of a form's header: without what would end its line, and escaped.
+  static std::string Quotable(const std::string& name) {
+    std::string quotable;
+    for (const char c : name) {
+      if (c == '"' || c == '\\') quotable += '\\';
+      quotable += static_cast<unsigned char>(c) < ' ' ? '_' : c;
     }
-    return name;
+    return quotable;
   }
+
+  using Clock = std::chrono::steady_clock;
+
+  // Cuts a request off that isn't over in time: cpp-httplib's timeouts are for each piece, so a
+  // server that sends slowly could go on forever.
+  class Cutter {
+   public:
+    Cutter(httplib::Client& client, Clock::time_point end)
+        : thread_([this, &client, end] { CutAt(client, end); }) {}
+    ~Cutter() {
+      {
+        const std::lock_guard<std::mutex> guard(mutex_);
+        over_ = true;
+      }
+      ended_.notify_one();
+      thread_.join();
+    }
+    Cutter(const Cutter&) = delete;
+    Cutter& operator=(const Cutter&) = delete;
+
+   private:
+    void CutAt(httplib::Client& client, Clock::time_point end) {
+      constexpr std::chrono::milliseconds kAgain(100);  // it may not have been connected yet
+      std::unique_lock<std::mutex> lock(mutex_);
+      while (!ended_.wait_until(lock, end, [this] { return over_; })) {
+        client.stop();
+        end = Clock::now() + kAgain;
+      }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable ended_;
+    bool over_ = false;
+    std::thread thread_;  // the last one, as it uses the others
+  };
 
   template <class Send>
   std::string Ask(const Send& send) const {
+    const Clock::time_point end = Clock::now() + std::chrono::seconds(options_.total_s);
     for (int left = options_.retries;; --left) {
-      httplib::Client client = NewClient();
-      client.set_connection_timeout(options_.timeout_s);
-      client.set_read_timeout(options_.timeout_s);
-      client.set_write_timeout(options_.timeout_s);
-      httplib::Headers headers;
-      if (!options_.token.empty()) headers.emplace("Authorization", "Bearer " + options_.token);
-      const httplib::Result result = send(client, headers);
+      const httplib::Result result = AskOnce(send, end);
+      // What was cut off may look complete.
+      if (Clock::now() >= end) throw TooLate();
       if (!result) {
         throw ClientError("unreachable", 0,
                           "the server at " + origin_ + " does not respond (" +
@@ -197,9 +239,40 @@ class Client {
       }
       if (result->status >= 200 && result->status < 300) return result->body;
       const int wait_s = RetryAfter(*result);
-      if (result->status != 429 || left <= 0 || wait_s > options_.max_wait_s) Refuse(*result);
+      const bool fits =
+          wait_s <= options_.max_wait_s && Clock::now() + std::chrono::seconds(wait_s) < end;
+      if (result->status != 429 || left <= 0 || !fits) Refuse(*result);
       std::this_thread::sleep_for(std::chrono::seconds(wait_s));
     }
+  }
+
+  template <class Send>
+  httplib::Result AskOnce(const Send& send, Clock::time_point end) const {
+    httplib::Client client = NewClient();
+    client.set_connection_timeout(std::min(options_.timeout_s, SecondsUntil(end)));
+    client.set_read_timeout(options_.timeout_s);
+    client.set_write_timeout(options_.timeout_s);
+    httplib::Headers headers;
+    if (!options_.token.empty()) headers.emplace("Authorization", "Bearer " + options_.token);
+    try {
+      const Cutter cutter(client, end);
+      return send(client, headers);
+    } catch (const std::system_error& error) {
+      throw ClientError("unreachable", 0,
+                        std::string("cannot start a thread (") + error.what() +
+                            "); try again, or raise the limit of processes");
+    }
+  }
+
+  static int SecondsUntil(Clock::time_point end) {
+    const auto left = std::chrono::duration_cast<std::chrono::seconds>(end - Clock::now());
+    return std::max(1, static_cast<int>(left.count()));
+  }
+
+  ClientError TooLate() const {
+    return {"timeout", 0,
+            "the server at " + origin_ + " has not answered within " +
+                std::to_string(options_.total_s) + " s; try again later"};
   }
 
   httplib::Client NewClient() const {

@@ -121,6 +121,7 @@ export declare class Client {
   listCorridors(map: string, options?: { limit?: number; cursor?: string }): Promise<CorridorList>;
 }
 
+/** Texts are limited to 200 bytes of UTF-8, in which a character may take up to four. The camera is given in at most one way: fx, fy, cx and cy, fov_deg, or camera. */
 export interface Request {
   fx?: number;
   fy?: number;
@@ -129,19 +130,39 @@ export interface Request {
   fov_deg?: number;
   camera?: string;
   /** Validated, but not used by any layer so far, and therefore always listed in `unused`. */
-  prior?: { keyframe: number };
+  prior?: { keyframe: Id };
   /** Narrows down a query of all maps (/v1/localize) on a server with a registry. */
   hints?: { position?: { frame: string; x: number; y: number; z?: number; radius: number }; tags?: string[]; previous_map?: string };
-  previous?: { keyframe?: number; heading_rad?: number; map_version?: string; belief?: Belief };
-  /** For series of panoramas: the motion of each image since the previous image or answer, in map units (x forward, y left), or null. */
-  odometry?: (null | { x: number; y: number; heading_rad: number })[];
+  previous?: { keyframe?: Id; heading_rad?: Angle; map_version?: string; belief?: Belief };
+  /** For series of panoramas: the motion of each image since the previous image or answer, in map units (x forward, y left), or null; as many as images. */
+  odometry?: (null | { x: number; y: number; heading_rad: Angle })[];
   top_k?: number;
   debug?: boolean;
   deadline_ms?: number;
 }
 
+export interface RequestWithImages {
+  fx?: number;
+  fy?: number;
+  cx?: number;
+  cy?: number;
+  fov_deg?: number;
+  camera?: string;
+  /** Validated, but not used by any layer so far, and therefore always listed in `unused`. */
+  prior?: { keyframe: Id };
+  /** Narrows down a query of all maps (/v1/localize) on a server with a registry. */
+  hints?: { position?: { frame: string; x: number; y: number; z?: number; radius: number }; tags?: string[]; previous_map?: string };
+  previous?: { keyframe?: Id; heading_rad?: Angle; map_version?: string; belief?: Belief };
+  /** For series of panoramas: the motion of each image since the previous image or answer, in map units (x forward, y left), or null; as many as images. */
+  odometry?: (null | { x: number; y: number; heading_rad: Angle })[];
+  top_k?: number;
+  debug?: boolean;
+  deadline_ms?: number;
+  images: { name?: string; data: string }[];
+}
+
 /** Belief about the position of the robot, most probable node first. The remaining probability is spread over the map. */
-export type Belief = { node: Id; probability: Probability; heading_rad: number; deviation_rad: number }[];
+export type Belief = { node: Id; probability: Probability; heading_rad: Angle; deviation_rad: number }[];
 
 export interface Problem {
   type: string;
@@ -168,6 +189,9 @@ export interface Version {
 }
 
 export type Id = number;
+
+/** Radians. */
+export type Angle = number;
 
 /** The surface, such as a wall, that the plane is part of, as the lowest id of its planes. */
 export type SurfaceId = number;

@@ -30,12 +30,18 @@ std::string_view LastPart(std::string_view name) { return name.substr(name.rfind
 }  // namespace
 
 std::string NearestName(std::string_view name, const std::vector<std::string>& names) {
+  constexpr size_t kFar = std::numeric_limits<size_t>::max() - 1;
+  // Two words are near where a typing error explains the difference.
+  const auto distance_of = [](std::string_view word, std::string_view candidate) {
+    const size_t distance = EditDistance(word, candidate);
+    return distance <= std::max<size_t>(1, word.size() / 3) ? distance : kFar;
+  };
   std::string nearest;
-  size_t least = std::numeric_limits<size_t>::max();
+  size_t least = kFar;
   for (const std::string& candidate : names) {
     // A name without groups means the field.
-    const size_t distance = std::min(EditDistance(name, candidate),
-                                     EditDistance(LastPart(name), LastPart(candidate)) + 1);
+    const size_t distance = std::min(distance_of(name, candidate),
+                                     distance_of(LastPart(name), LastPart(candidate)) + 1);
     if (distance >= least) continue;
     least = distance;
     nearest = candidate;

@@ -40,7 +40,8 @@ std::string ToOptionText(const std::vector<Value>& values) {
 // into the other.
 size_t EditDistance(std::string_view a, std::string_view b);
 
-// The one of `names` that is nearest to `name` by EditDistance. Empty without names.
+// The one of `names` that is nearest to `name` by EditDistance. Empty where none is near: where
+// more than a third of the letters would change.
 std::string NearestName(std::string_view name, const std::vector<std::string>& names);
 
 }  // namespace waystone

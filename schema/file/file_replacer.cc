@@ -56,10 +56,25 @@ fs::path Resolved(const fs::path& path) {
   return error ? path : resolved;
 }
 
+// The part of a folder's path that is something else than a folder, if any.
+std::optional<fs::path> FindFileInPath(const fs::path& folder) {
+  for (fs::path part = folder; !part.empty(); part = part.parent_path()) {
+    std::error_code error;
+    const fs::file_status status = fs::status(part, error);
+    if (fs::is_directory(status)) return std::nullopt;
+    if (fs::exists(status)) return part;
+    if (part == part.parent_path()) break;
+  }
+  return std::nullopt;
+}
+
 void CheckTarget(const fs::path& target, bool overwrite) {
   std::error_code error;
   const fs::path folder = FolderOf(target);
   if (!target.has_filename()) ThrowUnwritable(target, "is a folder", "append a file name");
+  if (const auto file = FindFileInPath(folder)) {
+    ThrowUnwritable(target, file->string() + " is not a folder", "choose another path");
+  }
   if (!fs::is_directory(folder, error)) {
     ThrowUnwritable(target, "folder " + folder.string() + " does not exist",
                     "create it or choose another path");

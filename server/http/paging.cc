@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string_view>
 
@@ -15,8 +16,9 @@ namespace {
 
 constexpr uint64_t kDefaultLimit = 100;
 constexpr uint64_t kMaxLimit = 1000;
-// Cursors are row numbers in disguise, so that nobody relies on their form.
-constexpr std::string_view kCursorPrefix = "r";
+// Cursors are row numbers or ids in disguise, so that nobody relies on their form.
+constexpr std::string_view kRowPrefix = "r";
+constexpr std::string_view kIdPrefix = "i";
 constexpr int kCursorBase = 16;
 
 std::optional<uint64_t> ParseWhole(std::string_view text, int base) {
@@ -38,25 +40,25 @@ uint64_t Limit(const HttpRequest& request) {
   return *limit;
 }
 
-size_t FirstRow(const HttpRequest& request, size_t size) {
+// The number of the request's cursor, at most `largest`; nothing without a cursor.
+std::optional<uint64_t> CursorOf(const HttpRequest& request, std::string_view prefix,
+                                 uint64_t largest) {
   const auto it = request.query.find("cursor");
-  if (it == request.query.end()) return 0;
+  if (it == request.query.end()) return std::nullopt;
   const std::string_view cursor = it->second;
-  std::optional<uint64_t> row;
-  if (cursor.starts_with(kCursorPrefix)) {
-    row = ParseWhole(cursor.substr(kCursorPrefix.size()), kCursorBase);
-  }
-  if (!row || *row > size) {
+  std::optional<uint64_t> number;
+  if (cursor.starts_with(prefix)) number = ParseWhole(cursor.substr(prefix.size()), kCursorBase);
+  if (!number || *number > largest) {
     throw MapError(ErrorCode::kBadRequest,
                    "invalid cursor for this list; start again without a cursor");
   }
-  return *row;
+  return number;
 }
 
-std::string CursorTo(size_t row) {
-  char digits[sizeof(row) * 2];
-  const auto [end, error] = std::to_chars(digits, digits + sizeof(digits), row, kCursorBase);
-  return std::string(kCursorPrefix) + std::string(digits, end);
+std::string Cursor(std::string_view prefix, uint64_t number) {
+  char digits[sizeof(number) * 2];
+  const auto [end, error] = std::to_chars(digits, digits + sizeof(digits), number, kCursorBase);
+  return std::string(prefix) + std::string(digits, end);
 }
 
 }  // namespace
@@ -64,9 +66,21 @@ std::string CursorTo(size_t row) {
 Page PageOf(const HttpRequest& request, size_t size) {
   Page page;
   const uint64_t limit = Limit(request);
-  page.begin = FirstRow(request, size);
+  page.begin = CursorOf(request, kRowPrefix, size).value_or(0);
   page.end = std::min<uint64_t>(size, page.begin + limit);
-  if (page.end < size) page.next = CursorTo(page.end);
+  if (page.end < size) page.next = Cursor(kRowPrefix, page.end);
+  return page;
+}
+
+Page PageOf(const HttpRequest& request, const std::vector<int64_t>& ids) {
+  Page page;
+  const uint64_t limit = Limit(request);
+  if (const std::optional<uint64_t> last = CursorOf(request, kIdPrefix, INT64_MAX)) {
+    const auto next = std::ranges::upper_bound(ids, static_cast<int64_t>(*last), std::greater<>());
+    page.begin = static_cast<size_t>(next - ids.begin());
+  }
+  page.end = std::min<uint64_t>(ids.size(), page.begin + limit);
+  if (page.end < ids.size()) page.next = Cursor(kIdPrefix, ids[page.end - 1]);
   return page;
 }
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "api/json.h"
 #include "server/http/message.h"
@@ -21,16 +23,23 @@ struct Page {
 // cursor. Thread-safe.
 Page PageOf(const HttpRequest& request, size_t size);
 
+// The same for a list that grows at its front between pages: `ids` are those of its rows, falling.
+// A cursor names the last row given instead of counting rows, so that no row is given twice.
+Page PageOf(const HttpRequest& request, const std::vector<int64_t>& ids);
+
 // {name: [the page's rows, as `render` makes row i of them], "next": cursor or null}.
 template <class Render>
-Json PagedJson(const HttpRequest& request, const std::string& name, size_t size,
-               const Render& render) {
-  const Page page = PageOf(request, size);
+Json PagedJson(const Page& page, const std::string& name, const Render& render) {
   Json json;
   json[name] = Json::array();
   for (size_t i = page.begin; i < page.end; ++i) json[name].push_back(render(i));
   json["next"] = page.next.empty() ? Json(nullptr) : Json(page.next);
   return json;
+}
+template <class Render>
+Json PagedJson(const HttpRequest& request, const std::string& name, size_t size,
+               const Render& render) {
+  return PagedJson(PageOf(request, size), name, render);
 }
 
 }  // namespace waystone

@@ -67,7 +67,9 @@ HttpResponse JobsService::List(const HttpRequest& request) {
       jobs_ = queue.List(kMostJobs);
       read_ = Clock::now();
     }
-    return PagedJson(request, "jobs", jobs_.size(), [&](size_t i) { return jobs_[i]; });
+    std::vector<int64_t> ids;
+    for (const Json& job : jobs_) ids.push_back(job.at("id").get<int64_t>());
+    return PagedJson(PageOf(request, ids), "jobs", [&](size_t i) { return jobs_[i]; });
   }));
 }
 

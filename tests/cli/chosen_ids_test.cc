@@ -109,7 +109,6 @@ TEST(KeyframesOfSession, FindsByNumberAndByName) {
       WithSessions("{}", {{"day", "waystone", "", {{1}}}, {"1", "waystone", "", {{2}}}});
   EXPECT_EQ(KeyframesOfSession(map, "day"), Keyframes({1, 2, 5}));
   EXPECT_EQ(KeyframesOfSession(map, "2"), Keyframes({9}));
-  EXPECT_EQ(KeyframesOfSession(map, "1"), Keyframes({9}));  // a name goes before a number
   for (const char* text : {"0", "3", "night", ""}) {
     ExpectRefusal(
         [&] { KeyframesOfSession(map, text); }, ErrorCode::kNotFound,
@@ -117,11 +116,30 @@ TEST(KeyframesOfSession, FindsByNumberAndByName) {
   }
 }
 
+TEST(KeyframesOfSession, RefusesANumberThatIsTheNameOfAnother) {
+  MapData map = MapOfFour();
+  const auto name_sessions = [&](const std::string& first, const std::string& second) {
+    map.info.options_json =
+        WithSessions("{}", {{first, "waystone", "", {{1}}}, {second, "waystone", "", {{2}}}});
+  };
+  name_sessions("day", "1");
+  ExpectRefusal([&] { KeyframesOfSession(map, "1"); }, ErrorCode::kUsage,
+                "'1' is the number of session 'day' and the name of session 2; give the other name "
+                "or number, or ids with --keyframes or --nodes");
+  name_sessions("1", "1");
+  ExpectRefusal([&] { KeyframesOfSession(map, "1"); }, ErrorCode::kUsage,
+                "'1' is the number of session '1' and the name of session 2; give the other name "
+                "or number, or ids with --keyframes or --nodes");
+  name_sessions("1", "2");  // each named like its own number
+  EXPECT_EQ(KeyframesOfSession(map, "1"), Keyframes({1, 2, 5}));
+  EXPECT_EQ(KeyframesOfSession(map, "2"), Keyframes({9}));
+}
+
 TEST(KeyframesOfSession, RefusesANameOfSeveral) {
   MapData map = MapOfFour();
   map.info.options_json =
       WithSessions("{}", {{"day", "waystone", "", {{1}}}, {"day", "waystone", "", {{2}}}});
-  ExpectRefusal([&] { KeyframesOfSession(map, "day"); }, ErrorCode::kNotFound,
+  ExpectRefusal([&] { KeyframesOfSession(map, "day"); }, ErrorCode::kUsage,
                 "2 sessions are named 'day'; give the number of one");
   EXPECT_EQ(KeyframesOfSession(map, "2"), Keyframes({9}));
 }

@@ -124,6 +124,8 @@ TEST(AnswerLine, SaysWhereInOneLine) {
       "place":{"position":[]},"timing_ms":"soon"})")),
             ": localized (plane 0, 0 inliers, 0 ms)");
   EXPECT_EQ(AnswerLine(Json::parse("[1]")), ":  (0 ms)");
+  EXPECT_EQ(AnswerLine(Json::parse(R"({"verdict":"localized","pose":{"position":["x",1,2]}})")),
+            ": localized (0 ms)");
 }
 
 TEST(AnswerLine, SaysWhichMapsWereNotSearched) {
@@ -227,10 +229,28 @@ TEST(EvaluationText, SaysWhatIsEmpty) {
   const Json json = EvaluationJson(evaluation);
   EXPECT_TRUE(json["threshold"].is_null());
   EXPECT_TRUE(json["position_m"].is_null());
+  for (const char* share : {"recall", "precision", "recall_at_full_precision"}) {
+    EXPECT_TRUE(json[share].is_null()) << share;
+  }
+  EXPECT_NE(EvaluationText(evaluation).find("  precision                    -\n"),
+            std::string::npos)
+      << EvaluationText(evaluation);
   EXPECT_TRUE(json["reliability"][9]["stated"].is_null());
   EXPECT_EQ(json["latency_ms"]["total"]["p99"], 0.0);
   EXPECT_NE(EvaluationText(evaluation).find("0 queries"), std::string::npos);
   EXPECT_EQ(MistakesText(*index, {}), "");
+}
+
+TEST(EvaluationText, AnglesOfUnknownOrientationsAreNone) {
+  Evaluation evaluation = Evaluate(*MapIndex::Build({}), {});
+  evaluation.position.emplace();
+  evaluation.within = {{0.25, 2, 0.5, std::nullopt}, {5, 10, 1, 0.75}};
+  const Json within = EvaluationJson(evaluation)["within"];
+  EXPECT_TRUE(within[0]["pose"].is_null()) << within;
+  EXPECT_EQ(within[1]["pose"], 0.75);
+  const std::string text = EvaluationText(evaluation);
+  EXPECT_NE(text.find("0.25 m   50.0%, and    2 degrees       -\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("5.00 m  100.0%, and   10 degrees   75.0%\n"), std::string::npos) << text;
 }
 
 TEST(AuditText, FindingsComeWithAdvice) {
@@ -333,6 +353,7 @@ TEST(ProgressStyle, OnlyKnownNames) {
   EXPECT_EQ(ProgressStyleByName("auto", true), ProgressStyle::kNone);
   EXPECT_EQ(ProgressStyleByName("json", true), ProgressStyle::kJson);
   EXPECT_THROW(ProgressStyleByName("fancy", false), MapError);
+  EXPECT_THROW(ProgressStyleByName("fancy", true), MapError);
 }
 
 class TrajectoryTest : public testing::Test {

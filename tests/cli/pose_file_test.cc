@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -227,6 +228,27 @@ TEST_F(PoseFileTest, ALineThatIsNoPoseIsNamed) {
   EXPECT_EQ(refusal(tum, "1 4e6 5e5 3 0 0 0 2"), "");
 }
 
+// COLMAP writes a line of points after each image; without it, every second image would be lost.
+TEST_F(PoseFileTest, ColmapsPointsAreThere) {
+  const auto refusal = [&](const std::string& text) {
+    return RefusalOf([&] { ReadPoseFile(Write("images.txt", text)); });
+  };
+  const std::string a = "1 1 0 0 0 0 0 0 1 a.jpg\n", b = "2 1 0 0 0 0 0 0 1 b.jpg\n";
+  EXPECT_EQ(refusal("# c\n" + a + "1.5 2 -1 3 4.5 7\n" + b), "");
+  EXPECT_EQ(ReadPoseFile(folder_ / "images.txt").size(), 2u);
+  EXPECT_NE(refusal("# c\n" + a + b).find("images.txt, line 3: not the points"), std::string::npos)
+      << refusal("# c\n" + a + b);
+  EXPECT_NE(refusal(a + "1.5 2 -1 3\n").find("line 2: not the points"), std::string::npos);
+}
+
+TEST_F(PoseFileTest, ALineOfNumbersIsNoImageOfColmap) {
+  for (const char* line : {"0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15", "1 1 0 0 0 0 0 0 1 7",
+                           "0.5 1 0 0 0 0 0 0 1 a.jpg", "1 1 0 0 0 0 0 0 1.5 a.jpg"}) {
+    const std::string refusal = RefusalOf([&] { ReadPoseFile(Write("p.txt", line)); });
+    EXPECT_NE(refusal.find("line 1: not a pose; expected"), std::string::npos) << refusal;
+  }
+}
+
 FilePose PoseAt(double time_s, double x, double turn_rad) {
   FilePose pose;
   pose.time_s = time_s;
@@ -265,6 +287,23 @@ TEST(ImagePoses, AreFoundByNameOrNumber) {
   EXPECT_TRUE(by_number.Find("x", std::nullopt, 8));
   EXPECT_TRUE(by_number.Find("x", 2.0, 8));  // images have times, poses haven't
   EXPECT_FALSE(by_number.Find("x", std::nullopt, 7));
+}
+
+// As `waystone demo` writes it: images with a number have that frame's pose, others that of their
+// time.
+TEST_F(PoseFileTest, FrameNumbersGoBeforeTimes) {
+  const ImagePoses poses(
+      ReadPoseFile(Write("p.csv", "frame,time_s,x,y,z\n0,0,0,0,0\n4,0.8,4,0,0\n22,4.4,22,0,0\n")));
+  EXPECT_TRUE(poses.AreNumbered());
+  const auto x_of = [&](std::optional<double> time_s, std::optional<int> number) {
+    const auto pose = poses.Find("a", time_s, number);
+    return pose ? pose->world_from_camera.translation().x() : -1;
+  };
+  EXPECT_EQ(x_of(0.8, 22), 22);
+  EXPECT_EQ(x_of(4.4, std::nullopt), 22);
+  EXPECT_EQ(x_of(4.4, 3), -1);
+  EXPECT_EQ(x_of(std::nullopt, std::nullopt), -1);
+  EXPECT_EQ(ReadPoseFile(Write("p.csv", "frame,time_s,x,y,z\n7,,1,2,3\n"))[0].number, 7);
 }
 
 TEST_F(PoseFileTest, GivenPosesAreTheCameras) {
@@ -306,6 +345,22 @@ TEST_F(PoseFileTest, AKnownDistanceGivesTheScale) {
     EXPECT_NE(refusal({"a.jpg", "b.jpg", metres}).find("not a distance"), std::string::npos)
         << metres;
   }
+}
+
+TEST_F(PoseFileTest, PosesInMetresAreNotScaled) {
+  PoseFlags flags;
+  flags.scale_by = {"a.jpg", "b.jpg", "2"};
+  CheckPoseFlags(flags);
+  flags.unit = "metres";
+  try {
+    CheckPoseFlags(flags);
+    FAIL();
+  } catch (const MapError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    EXPECT_NE(std::string(error.what()).find("leave out one of them"), std::string::npos);
+  }
+  flags.scale_by.clear();
+  CheckPoseFlags(flags);
 }
 
 TEST_F(PoseFileTest, GivenPosesThatMakeNoSenseAreRefused) {

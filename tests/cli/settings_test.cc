@@ -41,6 +41,7 @@ TEST(ApplySettings, SetsOptionsOfQueries) {
 TEST(ApplySettings, NamesTheNearestOption) {
   EXPECT_NE(ErrorOfSetting("image_widht=200").find("did you mean 'image_width'"),
             std::string::npos);
+  EXPECT_EQ(ErrorOfSetting("foo=1"), "there is no option 'foo'; `waystone options` lists all");
   EXPECT_NE(ErrorOfSetting("image_width").find("NAME=VALUE"), std::string::npos);
   EXPECT_NE(ErrorOfSetting("image_width=wide").find("image_width is 'wide'"), std::string::npos);
 }

@@ -107,6 +107,22 @@ TEST_F(CarefulFiles, PicturesOfDirectionsReplaceNothing) {
              "is one of the photos");
 }
 
+TEST_F(CarefulFiles, DirectionsAnswersTheOtherPhotos) {
+  const fs::path a = Photo("a.png"), b = Photo("b.png");
+  WriteFile(folder_ / "camera.yaml",
+            "camera_model: PINHOLE\nimage_width: 640\nimage_height: 320\nfx: 580\nfy: 580\n"
+            "cx: 320\ncy: 160\n");
+  const RunResult result = RunWaystone({"directions", a, folder_ / "nope.png", b, "--json"});
+  EXPECT_EQ(result.code, 3);
+  EXPECT_EQ(std::ranges::count(result.out, '\n'), 2) << result.out;
+  EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find("nope.png' does not exist"), std::string::npos) << result.err;
+  const RunResult uncalibrated =
+      RunWaystone({"directions", a, b, "--camera", folder_ / "none.yaml"});
+  EXPECT_EQ(uncalibrated.code, 3);
+  EXPECT_EQ(std::ranges::count(uncalibrated.err, '\n'), 1) << uncalibrated.err;
+}
+
 TEST_F(CarefulFiles, APlotReplacesNoTrajectory) {
   const fs::path estimate = folder_ / "t.txt", truth = folder_ / "g.txt";
   std::string poses;

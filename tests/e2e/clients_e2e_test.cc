@@ -112,9 +112,9 @@ TEST_F(CppClient, AsksOneMapAndAll) {
   EXPECT_FALSE(one["explanation"]["candidates"].empty());
   EXPECT_EQ(client.Localize(TheMap().inside.string())["maps"][0]["map"], "room");
   const Json two = client.Localize(std::vector<Photo>{Client::Read(TheMap().elsewhere.string()),
-                                                      {"a\"b\n", ReadFile(TheMap().inside)}},
+                                                      {"a\"b\\c\n", ReadFile(TheMap().inside)}},
                                    "room");
-  EXPECT_EQ(two["image"], "a_b_");
+  EXPECT_EQ(two["image"], "a\"b\\c_");
   EXPECT_EQ(two["images"][0]["verdict"], "not_in_map");
 }
 
@@ -141,19 +141,38 @@ TEST_F(CppClient, ProblemsAreOneException) {
   ExpectError("bad_answer", 200, [&] { client.Get("/plain"); });
 }
 
-// What a Waystone server can't be brought to do at will comes from one of the test's own.
+// A server of the test's own, for what one of Waystone can't be brought to do at will.
+class OtherServer {
+ public:
+  ~OtherServer() {
+    server_.stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  httplib::Server& server() { return server_; }
+
+  // Returns its address.
+  std::string Start() {
+    const int port = server_.bind_to_any_port("127.0.0.1");
+    thread_ = std::thread([this] { server_.listen_after_bind(); });
+    return "http://127.0.0.1:" + std::to_string(port);
+  }
+
+ private:
+  httplib::Server server_;
+  std::thread thread_;
+};
+
 TEST_F(CppClient, BusyIsAskedAgain) {
-  httplib::Server server;
+  OtherServer other;
   int asked = 0;
   std::string wait = "0";
-  server.Get("/here/v1/maps", [&](const httplib::Request&, httplib::Response& response) {
+  other.server().Get("/here/v1/maps", [&](const httplib::Request&, httplib::Response& response) {
     response.status = ++asked % 3 == 0 ? 200 : 429;
     response.set_header("Retry-After", wait);
     response.set_content("{}", "application/json");
   });
-  const int port = server.bind_to_any_port("127.0.0.1");
-  std::thread thread([&] { server.listen_after_bind(); });
-  const std::string url = "http://127.0.0.1:" + std::to_string(port) + "/here/";
+  const std::string url = other.Start() + "/here/";
   EXPECT_EQ(Client(url).Get("/v1/maps"), Client::Json::object());
   EXPECT_EQ(asked, 3);
   ExpectError("bad_answer", 429, [&] { Client(url, {.retries = 1}).Get("/v1/maps"); });
@@ -161,8 +180,68 @@ TEST_F(CppClient, BusyIsAskedAgain) {
   wait = "3600";
   ExpectError("bad_answer", 429, [&] { Client(url).Get("/v1/maps"); });
   EXPECT_EQ(asked, 1) << "an hour is not waited for";
-  server.stop();
-  thread.join();
+  asked = 0;
+  wait = "2";
+  ExpectError("bad_answer", 429, [&] { Client(url, {.total_s = 1}).Get("/v1/maps"); });
+  EXPECT_EQ(asked, 1) << "the wait doesn't fit into the call";
+}
+
+// Each piece comes in time, but the whole would never.
+TEST_F(CppClient, ATrickleEndsWithTheTimeOfACall) {
+  OtherServer other;
+  other.server().Post("/.*", [](const httplib::Request&, httplib::Response& response) {
+    response.set_chunked_content_provider("application/json", [](size_t, httplib::DataSink& sink) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      return sink.write(" ", 1);
+    });
+  });
+  const Client client(other.Start(), {.total_s = 1});
+  const auto start = std::chrono::steady_clock::now();
+  ExpectError("timeout", 0, [&] { client.Localize(Photo{"a.jpg", "x"}); });
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+}
+
+TEST_F(CppClient, WhatIsNoAnswerIsRefused) {
+  OtherServer other;
+  std::string body;
+  other.server().Post("/.*", [&](const httplib::Request&, httplib::Response& response) {
+    response.set_content(body, "application/json");
+  });
+  const std::string url = other.Start();
+  const auto run = [&](const std::string& answer) {
+    body = answer;
+    return RunWaystone({"localize", "-", TheMap().inside, "--server", url});
+  };
+  for (const char* answer :
+       {R"({"verdict":"localized"})", "[]", "7", R"({"verdict":1})",
+        R"({"verdict":"not_in_map","image":"q"})",
+        R"({"verdict":"localized","image":"q","timing_ms":{"total":1},"place":null})"}) {
+    const RunResult result = run(answer);
+    EXPECT_EQ(result.code, 3) << answer;
+    EXPECT_EQ(result.out, "") << answer;
+    EXPECT_NE(result.err.find("is no answer"), std::string::npos) << result.err;
+  }
+  for (const char* answer : {"[]", "{}", R"({"verdict":1})"}) {
+    body = answer;
+    ExpectError("bad_answer", 200, [&] { Client(url).Localize(Photo{"a.jpg", "x"}); });
+  }
+  const RunResult whole = run(R"({"verdict":"not_in_map","image":"q","timing_ms":{"total":1}})");
+  EXPECT_EQ(whole.code, 0) << whole.err;
+}
+
+TEST_F(CppClient, PhotosKeepTheirNames) {
+  const fs::path photo = folder_ / "\xd1\x84 \"q\" \\.jpg";
+  fs::copy_file(TheMap().inside, photo);
+  const fs::path deep = folder_ / std::string(120, 'd') / std::string(120, 'e');
+  fs::create_directories(deep);
+  fs::copy_file(TheMap().inside, deep / "q.jpg");
+  for (const fs::path& path : {photo, deep / "q.jpg"}) {
+    const RunResult local = RunWaystone({"localize", TheMap().map, path, "--json"});
+    const RunResult served = RunWaystone({"localize", "room", path, "--json", "--server", url_});
+    EXPECT_EQ(served.code, 0) << served.err;
+    EXPECT_EQ(Json::parse(served.out)["image"], path.string());
+    EXPECT_EQ(Json::parse(served.out)["image"], Json::parse(local.out)["image"]);
+  }
 }
 
 TEST_F(CppClient, LocalizeByAServer) {

@@ -87,6 +87,9 @@ TEST_F(CommandLine, NumbersAreFinite) {
 TEST_F(CommandLine, FlagsThatMeanNothingAreRefused) {
   const fs::path map = folder_ / "m.db";
   ExpectRefused({"build", "x", "-o", map, "--scale-by", "a", "b", "1"}, 2, "requires --poses");
+  ExpectRefused(
+      {"build", "x", "-o", map, "--poses", "p", "--unit", "metres", "--scale-by", "a", "b", "1"}, 2,
+      "--scale-by scales poses of unknown unit");
   ExpectRefused({"build", "x", "-o", map, "--max-pose-gap", "1"}, 2, "requires --poses");
   ExpectRefused({"add", map, "x", "--body-from-camera", "0 0 0 0 0 0 1"}, 2, "requires --poses");
   ExpectRefused({"build", "x", "-o", map, "--set", "image_width=99", "--set", "image_width=98"}, 2,

@@ -12,6 +12,7 @@ connection that breaks are failures. Exits with 1 and says which.
 import base64
 import http.client
 import json
+import math
 import re
 import sys
 import urllib.parse
@@ -205,6 +206,65 @@ def every_body(base):
     assert ask("POST", base + "/localize", b"x", {"Content-Type": "text/plain"})[0] == 415
 
 
+def sample(schema):
+    """A small value of a schema."""
+    schema = resolved(schema)
+    if "oneOf" in schema:
+        return sample(schema["oneOf"][-1])
+    if schema["type"] == "object":
+        return {name: sample(schema["properties"][name]) for name in schema.get("required", [])}
+    if schema["type"] == "array":
+        return [sample(schema["items"])] * schema.get("minItems", 0)
+    return {"string": "x", "boolean": True}.get(schema["type"], schema.get("minimum", 1))
+
+
+def edges(schema):
+    """Values of a schema, and others, on both sides of each of its limits."""
+    schema = resolved(schema)
+    if "oneOf" in schema:
+        schema = resolved(schema["oneOf"][-1])
+    yield from [None, [1], sample(schema)]
+    kind = schema["type"]
+    if kind == "number":
+        for bound in (schema["minimum"], schema["maximum"]):
+            yield from [bound, math.nextafter(bound, math.inf), math.nextafter(bound, -math.inf)]
+    elif kind == "integer":
+        for bound in (schema["minimum"], schema["maximum"]):
+            yield from [bound - 1, bound, bound + 1, float(bound - 1), float(bound), bound + 0.5, 2.0]
+    elif kind == "string":
+        yield from ["x" * schema["maxLength"], "x" * (schema["maxLength"] + 1)]
+    elif kind == "array":
+        for count in (0, 1, schema["maxItems"], schema["maxItems"] + 1):
+            yield [sample(schema["items"])] * count
+        yield from ([item] for item in edges(schema["items"]))
+    elif kind == "object":
+        whole = sample(schema)
+        yield {**whole, "more": 1}
+        for name in whole:
+            yield {other: value for other, value in whole.items() if other != name}
+        for name, field in schema["properties"].items():
+            yield from ({**whole, name: value} for value in edges(field))
+
+
+def every_limit(base):
+    """The server refuses what is outside of the contract's limits of requests, and nothing else."""
+    schema = CONTRACT["components"]["schemas"]["Request"]
+    within = jsonschema.Draft202012Validator(schema, resolver=RESOLVER)
+    requests = [{"more": 1}, {"fov_deg": 60, "camera": "x"}]
+    for name, field in schema["properties"].items():
+        others = dict.fromkeys(schema["dependentRequired"].get(name, []), 1)
+        requests += [{name: sample(field)}] + [{name: value, **others} for value in edges(field)]
+        requests += [{name: sample(field), **others, "fov_deg": 60}]
+    for request in requests:
+        motions = request.get("odometry")
+        images = [b"x"] * max(1, len(motions) if isinstance(motions, list) else 1)
+        target = "/v1/localize" if "hints" in request else base + "/localize"
+        status, _, data = ask("POST", target, *in_json(dict(request), *images))
+        # Ids are within the limits whether or not the map has them.
+        refused = status == 400 and "the map has no " not in json.loads(data)["detail"]
+        assert refused != within.is_valid(request), (request, status, data)
+
+
 SEGMENT = st.text(st.characters(blacklist_categories=["Cs"]), min_size=1, max_size=12).map(
     lambda text: urllib.parse.quote(text, safe="")
 )
@@ -264,6 +324,8 @@ def any_form(parts, cut):
 def main():
     base = every_route()
     every_body(base)
+    for name in (MAP, LAYERED):
+        every_limit("/v1/maps/" + urllib.parse.quote(name))
     for generate in (any_address, any_body, any_json, any_form):
         generate()
     wanted = {(method.upper(), path) for path, operations in CONTRACT["paths"].items()

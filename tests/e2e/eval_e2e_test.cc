@@ -116,6 +116,28 @@ TEST_F(EvalTest, PositionsGiveTheTrajectorysError) {
   EXPECT_EQ(Json::parse(run.out)["within"].size(), 4u);
 }
 
+// The pictures of the walk under names with text and without orientations, 0.1 m apart.
+TEST_F(EvalTest, ImagesHaveThePosesOfTheNumbersInTheirNames) {
+  std::string poses = "frame,x,y,z\n";
+  for (int i = 0; i < 200; ++i) {
+    poses += std::to_string(i) + "," + std::to_string(0.1 * i) + ",0,0\n";
+  }
+  WriteFile(folder_ / "poses.csv", poses);
+  fs::create_directories(folder_ / "photos");
+  fs::copy_file(TheMap().images / "0.jpg", folder_ / "photos/IMG_0000.jpg");
+  fs::copy_file(TheMap().images / "30.jpg", folder_ / "photos/IMG_0030.jpg");
+  const auto run = [&](const std::string& format) {
+    return RunWaystone({"eval", TheMap().map, folder_ / "photos", "--truth", folder_ / "poses.csv",
+                        "--quiet", format});
+  };
+  const Json json = Json::parse(run("--json").out);
+  EXPECT_EQ(json["right"], 2) << json;
+  EXPECT_LT(json["position_m"]["max"].get<double>(), 1.5) << "those of frames 0 and 1 are far off";
+  EXPECT_TRUE(json["within"][3]["pose"].is_null()) << json["within"];
+  fs::rename(folder_ / "photos/IMG_0030.jpg", folder_ / "photos/v2_0030.jpg");
+  ExpectFailure(run("--json"), 3, "v2_0030.jpg has no pose in the file of --truth");
+}
+
 TEST_F(EvalTest, KeyframesByName) {
   const Json info = Json::parse(RunWaystone({"audit", TheMap().map, "--json"}).out);
   EXPECT_EQ(info["map"], "room");
@@ -135,6 +157,7 @@ TEST_F(EvalTest, BadLinesAreNamed) {
   ExpectBadLine("image,keyframe\n# a comment\nmissing.jpg,\n", 3, "missing.jpg");
   ExpectBadLine("image,frame\n" + photo + ",often\n", 2, "often");
   ExpectBadLine("image,frame\n" + photo + ",attic:3\n", 2, "attic");
+  ExpectBadLine("image,frame\n" + photo + ",|\n", 2, "\"|\" names no keyframe or frame");
   ExpectBadLine("image,frame\n" + photo + ",20\n" + photo + ",500000\n", 3, "frame 500000");
   ExpectBadLine("image,frame\n" + photo + ",20|images:500000\n", 2, "frame images:500000");
   ExpectBadLine("image,frame,frame\n" + photo + ",3,5\n", 1, "two columns \"frame\"");

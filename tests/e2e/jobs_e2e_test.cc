@@ -304,6 +304,13 @@ TEST_F(JobsE2e, ServersTellOfJobs) {
   EXPECT_EQ(jobs[0]["state"], "queued");
   EXPECT_EQ(jobs[1]["state"], "failed");
   EXPECT_EQ(jobs[2]["state"], "done");
+  const Json first = served.Get("/v1/jobs?limit=1");
+  Enqueue(kShort);
+  EXPECT_TRUE(Until([&] { return served.Get("/v1/jobs")["jobs"].size() == 4; }));
+  const Json second = served.Get("/v1/jobs?cursor=" + first["next"].get<std::string>());
+  ASSERT_EQ(second["jobs"].size(), 2u) << "none twice, and not the new one";
+  EXPECT_EQ(second["jobs"][0]["id"], jobs[1]["id"]);
+  EXPECT_EQ(served.Status("/v1/jobs?cursor=r1"), 400);
   EXPECT_EQ(served.Status("/v1/jobs/99"), 404);
   EXPECT_EQ(served.Status("/v1/jobs/x"), 404);
   const std::string command = "/usr/bin/python3 " WAYSTONE_SOURCE_DIR

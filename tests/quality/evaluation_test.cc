@@ -62,8 +62,8 @@ TEST_F(EvaluationTest, OutcomesAreCounted) {
   EXPECT_EQ(e.ambiguous_positives, 1);
   EXPECT_EQ(e.ambiguous_negatives, 1);
   EXPECT_EQ(e.bad_images, 1);
-  EXPECT_DOUBLE_EQ(e.recall, 0.2);
-  EXPECT_DOUBLE_EQ(e.precision, 1.0 / 3);
+  EXPECT_DOUBLE_EQ(e.recall.value(), 0.2);
+  EXPECT_DOUBLE_EQ(e.precision.value(), 1.0 / 3);
 }
 
 TEST_F(EvaluationTest, FullPrecisionCountsOnlyWhatIsSurerThanEveryFalseAnswer) {
@@ -71,15 +71,15 @@ TEST_F(EvaluationTest, FullPrecisionCountsOnlyWhatIsSurerThanEveryFalseAnswer) {
       Measure({Localized({1}, 1, 0.99), Localized({1}, 1, 0.9), Localized({2}, 2, 0.8),
                Localized({}, 6, 0.9), Localized({1}, 5, 0.3)});
   EXPECT_DOUBLE_EQ(e.threshold, 0.9);
-  EXPECT_DOUBLE_EQ(e.recall_at_full_precision, 0.25) << "0.9 itself isn't above 0.9";
-  EXPECT_DOUBLE_EQ(e.recall, 0.75);
+  EXPECT_DOUBLE_EQ(e.recall_at_full_precision.value(), 0.25) << "0.9 itself isn't above 0.9";
+  EXPECT_DOUBLE_EQ(e.recall.value(), 0.75);
 }
 
 TEST_F(EvaluationTest, WithoutFalseAnswersFullPrecisionIsRecall) {
   const Evaluation e = Measure({Localized({1}, 1, 0.0), Query({1}, Verdict::kNotInMap, 0, 0)});
   EXPECT_DOUBLE_EQ(e.threshold, -1);
-  EXPECT_DOUBLE_EQ(e.recall_at_full_precision, 0.5);
-  EXPECT_DOUBLE_EQ(e.precision, 1);
+  EXPECT_DOUBLE_EQ(e.recall_at_full_precision.value(), 0.5);
+  EXPECT_DOUBLE_EQ(e.precision.value(), 1);
 }
 
 TEST_F(EvaluationTest, ReliabilityComparesStatedWithObserved) {
@@ -130,15 +130,32 @@ TEST_F(EvaluationTest, PositionsOfLocalizedPositivesAlone) {
 TEST_F(EvaluationTest, TolerancesAreSharesOfAllPositives) {
   std::vector<ScoredQuery> queries = {Localized({1}, 1, 1), Localized({1}, 2, 1),
                                       Localized({1}, 3, 1), Query({1}, Verdict::kNotInMap, 0, 0)};
+  for (ScoredQuery& query : queries) query.has_true_angle = true;
   queries[0].error = PoseError{0.1, 0.01};
   queries[1].error = PoseError{0.4, 0.5};
   queries[2].error = PoseError{0.2, {}};
   const auto within = Measure(queries).within;
   ASSERT_EQ(within.size(), 4u);
   EXPECT_DOUBLE_EQ(within[1].position, 0.5);
-  EXPECT_DOUBLE_EQ(within[1].pose, 0.25);
+  EXPECT_DOUBLE_EQ(within[1].pose.value(), 0.25);
   EXPECT_DOUBLE_EQ(within[2].position, 0.75);
-  EXPECT_DOUBLE_EQ(within[3].pose, 0.25);
+  EXPECT_DOUBLE_EQ(within[3].pose.value(), 0.25);
+}
+
+TEST_F(EvaluationTest, AnglesCountWhereOrientationsAreKnown) {
+  std::vector<ScoredQuery> queries = {Localized({1}, 1, 1), Localized({1}, 2, 1),
+                                      Query({1}, Verdict::kNotInMap, 0, 0), Localized({}, 1, 1)};
+  queries[0].error = PoseError{0.1, {}};
+  queries[1].error = PoseError{0.1, 0.01};
+  const auto share = [&] { return Measure(queries).within[1]; };
+  EXPECT_DOUBLE_EQ(share().position, 2.0 / 3);
+  EXPECT_FALSE(share().pose.has_value());
+  queries[3].has_true_angle = true;  // not in the map
+  EXPECT_FALSE(share().pose.has_value());
+  queries[1].has_true_angle = true;
+  EXPECT_DOUBLE_EQ(share().pose.value(), 1);
+  queries[2].has_true_angle = true;  // missed
+  EXPECT_DOUBLE_EQ(share().pose.value(), 0.5);
 }
 
 // Where a query is relative to a panorama, in the layer's frame, and in the world.
@@ -176,8 +193,9 @@ TEST(ComparePose, MovesTheTruePoseAsTheAnswerSays) {
 TEST_F(EvaluationTest, NothingAtAll) {
   const Evaluation e = Measure({});
   EXPECT_EQ(e.queries, 0);
-  EXPECT_EQ(e.recall, 0);
-  EXPECT_EQ(e.recall_at_full_precision, 0);
+  EXPECT_FALSE(e.recall.has_value());
+  EXPECT_FALSE(e.precision.has_value());
+  EXPECT_FALSE(e.recall_at_full_precision.has_value());
 }
 
 }  // namespace

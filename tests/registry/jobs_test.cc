@@ -64,6 +64,9 @@ TEST(JobParts, CoverAllFramesAndOverlap) {
 
 TEST(JobSpecs, ComeBackAsTheyWereAndBadOnesAreRefused) {
   EXPECT_EQ(ReadJobSpec("lab", TextOf(Spec("lab"))), Spec("lab"));
+  JobSpec tagged = Spec("lab");
+  tagged.tags = {"b", "a", "b"};
+  EXPECT_EQ(ReadJobSpec("lab", TextOf(tagged)).tags, (std::vector<std::string>{"a", "b"}));
   const auto refused = [](const std::function<void(JobSpec&)>& spoil) {
     JobSpec spec = Spec("lab");
     spoil(spec);

@@ -41,6 +41,13 @@ TEST(MapVersion, SaysWhatIsInTheMap) {
   EXPECT_FALSE(HasLayer(version, "appearance"));
 }
 
+TEST(MapVersion, HasEachTagOnceAndSorted) {
+  const auto index = MapIndex::Build(PublishedMap());
+  const MapVersion version = MakeVersion("lab", *index, 1234, {"b", "a", "b"});
+  EXPECT_EQ(Json::parse(version.details)["tags"], Json::parse(R"(["a","b"])"));
+  EXPECT_EQ(TraitsOf(version), TraitsOf(MakeVersion("lab", *index, 1234, {"a", "b"})));
+}
+
 TEST(MapVersion, IsReadAsItWasWritten) {
   const auto index = MapIndex::Build(PublishedMap());
   MapVersion version = MakeVersion("a \"map\" of Köln", *index, 1234, {});

@@ -33,6 +33,15 @@ MapVersion Made(const std::string& name, char digit, const std::string& tag = ""
   return {name, 0, "sha256:" + std::string(64, digit), 1000, Dump(details)};
 }
 
+// The same with tags as an earlier program may have written them.
+MapVersion Tagged(const std::vector<std::string>& tags) {
+  MapVersion version = Made("lab", 'a');
+  Json details = Json::parse(version.details);
+  details["tags"] = tags;
+  version.details = Dump(details);
+  return version;
+}
+
 // By name: number of the current version, 0 for retired.
 std::map<std::string, int> Current(const RegistryNews& news) {
   std::map<std::string, int> current;
@@ -106,6 +115,13 @@ TEST_P(RegistryTest, PublishingTheCurrentVersionAgainDoesNothing) {
   EXPECT_EQ(registry->Publish(Made("lab", 'a', "tagged")).number, 2);
   registry->Retire("lab");
   EXPECT_EQ(registry->Publish(Made("lab", 'a', "tagged")).number, 3) << "serves it again";
+}
+
+TEST_P(RegistryTest, TheOrderOfTagsAndRepetitionsMakeNoVersion) {
+  const auto registry = Create();
+  EXPECT_EQ(registry->Publish(Tagged({"b", "a", "a"})).number, 1);
+  EXPECT_EQ(registry->Publish(Tagged({"a", "b"})).number, 1);
+  EXPECT_EQ(registry->Publish(Tagged({"a"})).number, 2);
 }
 
 TEST_P(RegistryTest, RollsBackAndRetires) {

@@ -64,6 +64,17 @@ TEST(FileReplacer, TwoAtOnceDontMeet) {
   EXPECT_EQ(folder.Names(), Names{"a"});
 }
 
+TEST(FileReplacer, AFileIsNoFolder) {
+  const TemporaryFolder folder;
+  WriteFile(folder / "s.db", "");
+  for (const char* below : {"x.db", "deeper/x.db"}) {
+    const fs::path target = folder / "s.db" / below;
+    EXPECT_EQ(ErrorOf([&] { const FileReplacer file(target, true); }).what(),
+              target.string() + ": " + (folder / "s.db").string() +
+                  " is not a folder; choose another path");
+  }
+}
+
 // A file that appears between the question and the rename isn't lost.
 TEST(FileReplacer, WithoutOverwriteALateFileStays) {
   const TemporaryFolder folder;

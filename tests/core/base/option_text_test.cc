@@ -41,6 +41,8 @@ TEST(NearestName, IsTheOneThatWasMeant) {
   EXPECT_EQ(NearestName("planes.max_ratio", names), "planes.match.max_ratio");
   EXPECT_EQ(NearestName("planes.minfeatures", names), "planes.min_features");
   EXPECT_EQ(NearestName("x", {}), "");
+  EXPECT_EQ(NearestName("foo", {"appearance.signature.rows"}), "");
+  EXPECT_EQ(NearestName("planes.zzzzzzzzz", names), "");
 }
 
 }  // namespace

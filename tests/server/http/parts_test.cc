@@ -143,6 +143,26 @@ TEST(Paging, EmptyListIsOnePage) {
   EXPECT_EQ(page.next, "");
 }
 
+// Jobs that are enqueued between two pages come before the first one.
+TEST(Paging, RowsInFrontOfAListByIdsRepeatNone) {
+  HttpRequest request = Request("GET", "/");
+  request.query["limit"] = "2";
+  const Page first = PageOf(request, std::vector<int64_t>{30, 20, 10});
+  EXPECT_EQ(first.begin, 0u);
+  EXPECT_EQ(first.end, 2u);
+  request.query["cursor"] = first.next;
+  const Page second = PageOf(request, std::vector<int64_t>{50, 40, 30, 20, 10});
+  EXPECT_EQ(second.begin, 4u);
+  EXPECT_EQ(second.end, 5u);
+  EXPECT_EQ(second.next, "");
+  EXPECT_EQ(PageOf(request, std::vector<int64_t>{50, 10}).begin, 1u) << "20 is gone";
+  EXPECT_EQ(PageOf(request, std::vector<int64_t>{}).begin, 0u);
+  for (const char* cursor : {"", "i", "14", "r1", "izz", "i-1", "iffffffffffffffff"}) {
+    request.query["cursor"] = cursor;
+    EXPECT_THROW(PageOf(request, std::vector<int64_t>{30}), MapError) << cursor;
+  }
+}
+
 TEST(Paging, NonsenseIsABadRequest) {
   for (const char* limit : {"0", "-1", "1001", "x", "", "5 ", "99999999999999999999"}) {
     HttpRequest request = Request("GET", "/");

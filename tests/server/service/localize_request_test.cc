@@ -125,6 +125,21 @@ TEST(LocalizeRequest, ASeriesHasABeliefAndMotionsAndComesBackFromTheLog) {
   EXPECT_EQ(again.previous, request.previous);
 }
 
+// To JSON Schema, 2.0 is an integer.
+TEST(LocalizeRequest, IntegersMayHaveAFractionOfZero) {
+  const QueryRequest request =
+      Read("application/json",
+           R"({"images":[{"data":""}],"top_k":2.0,"deadline_ms":5e3,"prior":{"keyframe":7.0}})");
+  EXPECT_EQ(request.top_k, 2);
+  EXPECT_EQ(request.deadline_ms, 5000);
+  EXPECT_EQ(request.prior_keyframe, KeyframeId{7});
+  EXPECT_EQ(Read("image/jpeg", "x", {{"top_k", "2.0"}}).top_k, 2);
+  for (const char* keyframe : {"9223372036854775808.0", "-1.0", "0.0", "1e300", "7.5"}) {
+    EXPECT_EQ(CodeOf("image/jpeg", "x", {{"prior_keyframe", keyframe}}), ErrorCode::kBadRequest)
+        << keyframe;
+  }
+}
+
 TEST(LocalizeRequest, WhatIsWrongIsABadRequest) {
   const std::vector<Query> queries = {
       {{"fx", "500"}},
