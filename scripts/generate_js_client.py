@@ -132,10 +132,11 @@ class Operation:
     def method(self):
         arguments = self.captures + (["photo"] if self.has_body else [])
         arguments += ["options = {}"] if self.query else []
-        target = re.sub(r"{(\w+)}", r"${encodeURIComponent(\1)}", self.path)
+        target = re.sub(r"{(\w+)}", r"${segment(\1)}", self.path)
+        if self.has_body:
+            return f"  {self.name}({', '.join(arguments)}) {{\n    return this.query(`{target}`, options, photo);\n  }}\n"
         sent = [f'"{self.verb}"', f"`{target}`", "options" if self.query else "{}"]
-        sent += ["photo" if self.has_body else "undefined"] if self.has_body or self.kind() else []
-        sent += [f'"{self.kind()}"'] if self.kind() else []
+        sent += ["undefined", f'"{self.kind()}"'] if self.kind() else []
         return f"  {self.name}({', '.join(arguments)}) {{\n    return this.ask({', '.join(sent)});\n  }}\n"
 
 

@@ -28,6 +28,30 @@ function bodyOf(photo) {
   return [JSON.stringify(photo), "application/json"];
 }
 
+const wrong = (detail) => new WaystoneError("bad_request", 0, detail);
+
+// Without what would be sent elsewhere or refused by fetch, as if nobody were there. "" is the page's server.
+function addressOf(server) {
+  if (server === "" && globalThis.location) return "";
+  let url = null;
+  try {
+    url = new URL(server);
+  } catch {
+    // Told below.
+  }
+  const http = url !== null && ["http:", "https:"].includes(url.protocol);
+  if (!http || url.port === "0" || url.username || url.password) {
+    throw wrong(`the address '${server}' is no server; it looks like http://127.0.0.1:8080`);
+  }
+  return url.origin + url.pathname.replace(/\/+$/, "");
+}
+
+// A value in a path. Half a character, which can't be sent, becomes U+FFFD, as in a query.
+const segment = (value) => encodeURIComponent(String(value).replace(/\p{Surrogate}/gu, "\ufffd"));
+
+// Whether a path has a value "." or "..", which fetch would resolve: for a map, to all maps.
+const hasDots = (path) => /\/(\.|%2e){1,2}(\/|$)/i.test(path.split(/[?#]/)[0]);
+
 function queryOf(options) {
   const given = Object.entries(options).filter(([, value]) => value !== undefined && value !== null);
   return given.length ? "?" + new URLSearchParams(given.map(([name, value]) => [name, String(value)])) : "";
@@ -62,17 +86,31 @@ async function problemOf(response) {
 
 // Runs in browsers and in Node 18 and later, on fetch alone.
 export class Client {
+  #token = null;
+
   constructor(server = "", { token = null, timeout_ms = 30000, retries = 2 } = {}) {
-    this.server = server.replace(/\/+$/, "");
+    this.server = addressOf(String(server));
     this.token = token;
     this.timeout_ms = timeout_ms;
     this.retries = retries;
+  }
+
+  get token() {
+    return this.#token;
+  }
+
+  set token(token) {
+    if (token && !/^[ -~]*[!-~][ -~]*$/.test(token)) {
+      throw wrong("the token has characters that can't be sent; it must be printable ASCII");
+    }
+    this.#token = token;
   }
 
   // One request: JSON parsed, an image as a Blob, else text; another kind than `kind` ("json",
   // "image" or "text") is an error. A server that is busy is asked again after its Retry-After,
   // `retries` times at most and not beyond the timeout.
   async ask(verb, path, options = {}, photo = undefined, kind = null) {
+    if (hasDots(path)) throw new WaystoneError("not_found", 404, `no resource at ${path}`);
     const end = Date.now() + this.patience();
     for (let left = this.retries; ; --left) {
       const response = await this.send(verb, path + queryOf(options), photo, end - Date.now());
@@ -84,10 +122,17 @@ export class Client {
     }
   }
 
+  // One query with a photo. Every answer has a verdict.
+  async query(path, options, photo) {
+    const answer = await this.ask("POST", path, options, photo, "json");
+    if (typeof answer.verdict !== "string") throw new WaystoneError("bad_answer", 200, "the response has no verdict");
+    return answer;
+  }
+
   // The timeout as timers take it: Infinity waits for weeks.
   patience() {
     if (typeof this.timeout_ms !== "number" || Number.isNaN(this.timeout_ms)) {
-      throw new WaystoneError("bad_request", 0, `timeout_ms is ${this.timeout_ms}; expected a number of milliseconds`);
+      throw wrong(`timeout_ms is ${this.timeout_ms}; expected a number of milliseconds`);
     }
     return Math.min(this.timeout_ms, kLongestMs);
   }
@@ -184,138 +229,138 @@ export class Client {
   }
 
   getJob(id) {
-    return this.ask("GET", `/v1/jobs/${encodeURIComponent(id)}`, {}, undefined, "json");
+    return this.ask("GET", `/v1/jobs/${segment(id)}`, {}, undefined, "json");
   }
 
   localizeAcross(photo, options = {}) {
-    return this.ask("POST", `/v1/localize`, options, photo, "json");
+    return this.query(`/v1/localize`, options, photo);
   }
 
   localize(map, photo, options = {}) {
-    return this.ask("POST", `/v1/maps/${encodeURIComponent(map)}/localize`, options, photo, "json");
+    return this.query(`/v1/maps/${segment(map)}/localize`, options, photo);
   }
 
   getMap(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}`, {}, undefined, "json");
   }
 
   listPlanes(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes`, options, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/planes`, options, undefined, "json");
   }
 
   getPlane(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes/${encodeURIComponent(id)}`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/planes/${segment(id)}`, {}, undefined, "json");
   }
 
   listFeatures(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes/${encodeURIComponent(id)}/features`, options, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/planes/${segment(id)}/features`, options, undefined, "json");
   }
 
   listViews(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/planes/${encodeURIComponent(id)}/views`, options, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/planes/${segment(id)}/views`, options, undefined, "json");
   }
 
   getGraph(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/graph`, options);
+    return this.ask("GET", `/v1/maps/${segment(map)}/graph`, options);
   }
 
   listKeyframes(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes`, options, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/keyframes`, options, undefined, "json");
   }
 
   getKeyframe(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/keyframes/${segment(id)}`, {}, undefined, "json");
   }
 
   getKeyframeImage(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/image`, options, undefined, "image");
+    return this.ask("GET", `/v1/maps/${segment(map)}/keyframes/${segment(id)}/image`, options, undefined, "image");
   }
 
   getKeyframeThumbnail(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/thumbnail`, {}, undefined, "image");
+    return this.ask("GET", `/v1/maps/${segment(map)}/keyframes/${segment(id)}/thumbnail`, {}, undefined, "image");
   }
 
   getKeyframeLines(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/lines`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/keyframes/${segment(id)}/lines`, {}, undefined, "json");
   }
 
   getKeyframeSpace(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/keyframes/${encodeURIComponent(id)}/space`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/keyframes/${segment(id)}/space`, {}, undefined, "json");
   }
 
   getOverview(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/overview`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/overview`, {}, undefined, "json");
   }
 
   getPoses(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/poses`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/poses`, {}, undefined, "json");
   }
 
   getNames(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/names`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/names`, {}, undefined, "json");
   }
 
   getFloorPlans(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/plan`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/plan`, {}, undefined, "json");
   }
 
   getFloorPlanImage(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/plan/image`, options, undefined, "image");
+    return this.ask("GET", `/v1/maps/${segment(map)}/plan/image`, options, undefined, "image");
   }
 
   getAudit(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/audit`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/audit`, {}, undefined, "json");
   }
 
   getAppearance(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/appearance`, {}, undefined, "json");
   }
 
   listAppearanceNodes(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes`, options, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/appearance/nodes`, options, undefined, "json");
   }
 
   getAppearanceNode(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes/${encodeURIComponent(id)}`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/appearance/nodes/${segment(id)}`, {}, undefined, "json");
   }
 
   getAppearanceImage(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes/${encodeURIComponent(id)}/image`, options, undefined, "image");
+    return this.ask("GET", `/v1/maps/${segment(map)}/appearance/nodes/${segment(id)}/image`, options, undefined, "image");
   }
 
   getSignature(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/nodes/${encodeURIComponent(id)}/signature`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/appearance/nodes/${segment(id)}/signature`, {}, undefined, "json");
   }
 
   listLoops(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/appearance/loops`, options, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/appearance/loops`, options, undefined, "json");
   }
 
   getOrientation(map) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/orientation`, {}, undefined, "json");
   }
 
   listOrientationFrames(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/frames`, options, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/orientation/frames`, options, undefined, "json");
   }
 
   getOrientationFrame(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/frames/${encodeURIComponent(id)}`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/orientation/frames/${segment(id)}`, {}, undefined, "json");
   }
 
   getOrientationImage(map, id, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/nodes/${encodeURIComponent(id)}/image`, options, undefined, "image");
+    return this.ask("GET", `/v1/maps/${segment(map)}/orientation/nodes/${segment(id)}/image`, options, undefined, "image");
   }
 
   getOrientationLines(map, id) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/nodes/${encodeURIComponent(id)}/lines`, {}, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/orientation/nodes/${segment(id)}/lines`, {}, undefined, "json");
   }
 
   listTurns(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/turns`, options, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/orientation/turns`, options, undefined, "json");
   }
 
   listCorridors(map, options = {}) {
-    return this.ask("GET", `/v1/maps/${encodeURIComponent(map)}/orientation/corridors`, options, undefined, "json");
+    return this.ask("GET", `/v1/maps/${segment(map)}/orientation/corridors`, options, undefined, "json");
   }
 }

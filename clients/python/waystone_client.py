@@ -17,6 +17,7 @@ import email.utils
 import http.client
 import json
 import os
+import re
 import secrets
 import socket
 import sys
@@ -24,12 +25,13 @@ import threading
 import time
 import urllib.parse
 from collections.abc import AsyncIterator, Iterator, Sequence
-from typing import Any, Literal, NotRequired, TypedDict
+from typing import Any, Literal, NoReturn, NotRequired, TypedDict
 
 DEFAULT_SERVER = "http://127.0.0.1:8080"
 READ_CHUNK = 1 << 16  # bytes
 MAX_TIMEOUT_S = 1e6  # what timers take
 MAX_ANSWER = 100 << 20  # bytes; a server doesn't send more
+ANY_TEXT = "surrogatepass"  # the server doesn't know a name that isn't UTF-8
 DEFAULT_RETRY_S = 1.0  # wait after a 429 that doesn't say how long
 
 
@@ -331,6 +333,8 @@ class Client:
         parts = urllib.parse.urlsplit(url)
         if parts.scheme not in ("http", "https") or not parts.hostname:
             raise ValueError(f"{url!r} is no server; it looks like {DEFAULT_SERVER}")
+        if parts.port == 0:
+            raise ValueError(f"{url!r} has port 0; expected a port from 1 to 65535")
         if token is not None and not (token.isascii() and token.isprintable() and token.strip()):
             raise ValueError("the token has characters that can't be sent; it must be printable ASCII")
         if not 0 < timeout_s < MAX_TIMEOUT_S or retries < 0:
@@ -367,7 +371,7 @@ class Client:
 
     def get(self, path: str, **query: str | int) -> Any:
         """The JSON at a path of the API: get("/v1/maps/lab/graph"), get("/version")."""
-        query_text = "?" + urllib.parse.urlencode(query) if query else ""
+        query_text = "?" + urllib.parse.urlencode(query, errors=ANY_TEXT) if query else ""
         return self._ask("GET", _quoted(path) + query_text)
 
     def rows(self, path: str, *, limit: int = 100) -> Iterator[dict[str, Any]]:
@@ -514,12 +518,12 @@ def _read(response: http.client.HTTPResponse, wire: socket.socket, end: float) -
 
 
 def _segment(name: str) -> str:
-    return urllib.parse.quote(name, safe="")
+    return urllib.parse.quote(name, safe="", errors=ANY_TEXT)
 
 
 def _quoted(path: str) -> str:
     """A path, maybe with a query, in the letters of HTTP; what is quoted already stays."""
-    return urllib.parse.quote(path, safe="/%?&=:;@!$'()*+,~")
+    return urllib.parse.quote(path, safe="/%?&=:;@!$'()*+,~", errors=ANY_TEXT)
 
 
 def _left_s(end: float) -> float:
@@ -573,8 +577,24 @@ def _not_ours(status: int) -> WaystoneError:
 # -------------------------------------------------------------------------------------- the program
 
 
+# Characters that control a terminal, those of core/base/text.h, and surrogates, which can't be printed.
+_CONTROLS = re.compile(
+    "[\0-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+
+
+def _printable(text: object) -> str:
+    """One line, safe to print to a terminal: such characters as \\u001b, which JSON reads, too."""
+    return _CONTROLS.sub(lambda found: f"\\u{ord(found[0]):04x}", str(text))
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        super().error(_printable(message))
+
+
 def _arguments() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="waystone-localize",
         description="Localize images with a Waystone server.",
         epilog="Exit status: 0 if all images were answered, 2 for usage errors, 3 if an image can't "
@@ -645,7 +665,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         client = Client(flags.server, token=_token(flags.token_file), timeout_s=flags.timeout,
                         retries=flags.retries)  # fmt: skip
     except ValueError as error:
-        print(f"waystone-localize: {error}", file=sys.stderr)
+        print(f"waystone-localize: {_printable(error)}", file=sys.stderr)
         return 2
     code = 0
     for photos in [flags.photos] if flags.together else [[photo] for photo in flags.photos]:
@@ -653,10 +673,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             answer = client.localize(photos, map=flags.map, options=options)
             line = json.dumps(answer) if flags.json else _line(answer)
         except WaystoneError as error:
-            print(f"waystone-localize: {error}", file=sys.stderr)
+            print(f"waystone-localize: {_printable(error)}", file=sys.stderr)
             code = 3
             continue
-        print(line, flush=True)
+        print(_printable(line), flush=True)
         if answer["verdict"] == "bad_image":
             code = 3
     return code

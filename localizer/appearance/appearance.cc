@@ -189,15 +189,11 @@ Answer JudgeNodes(const MapIndex& index, const FourierSignature& query,
     RefineHeading(index, query, nodes.front(), options);
   }
   Judge(index, nodes, verified, options, answer);
-  const PlacedQuery placed = PlaceQuery(index, nodes, options);
-  const AppearanceLayer& layer = *index.map().appearance;
-  answer.panorama->node = RefOf(index, layer.nodes[FindNearest(index, nodes, options)]);
-  answer.panorama->pose = placed.pose;
-  answer.panorama->sigma = placed.sigma;
-  answer.panorama->covariance = placed.covariance;
-  answer.panorama->metres_per_unit = layer.metres_per_unit;
+  TakePlace(index, nodes, options, 0, *answer.panorama);
+  answer.panorama->metres_per_unit = index.map().appearance->metres_per_unit;
   if (answer.verdict == Verdict::kLocalized) {
-    answer.heading = Heading{placed.pose.theta_rad, nodes.front().sigma_rad, HeadingFrame::kLayer};
+    const double heading_rad = answer.panorama->pose.theta_rad;
+    answer.heading = Heading{heading_rad, nodes.front().sigma_rad, HeadingFrame::kLayer};
   }
   return answer;
 }

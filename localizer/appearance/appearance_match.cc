@@ -190,17 +190,18 @@ bool Agrees(const MapIndex& index, const ComparedNode& best, const ComparedNode&
          (best.inliers > 0) == (compared.inliers > 0);
 }
 
-}  // namespace
-
+// The node that differs least from the query, by index in the layer.
 int FindNearest(const MapIndex& index, const std::vector<ComparedNode>& nodes,
-                const PanoramaQueryOptions& options) {
-  const ComparedNode& best = nodes.front();
+                const PanoramaQueryOptions& options, size_t at) {
+  const ComparedNode& best = nodes[at];
   const auto distance = [&](const ComparedNode& compared) {
     return Agrees(index, best, compared, options) ? EstimateDistance(index, compared, best, options)
                                                   : std::numeric_limits<double>::infinity();
   };
   return std::ranges::min_element(nodes, {}, distance)->node;
 }
+
+}  // namespace
 
 // Least squares over the position p: each node that agrees with the best one contributes "near me",
 // and where its motion is known also "in this direction": n . (p - node) = 0 with n across the
@@ -232,6 +233,15 @@ PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& n
   placed.covariance = information.inverse();
   placed.sigma = 1 / std::sqrt(DecomposeSymmetric(information).values(0));
   return placed;
+}
+
+void TakePlace(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+               const PanoramaQueryOptions& options, size_t at, PanoramaAnswer& panorama) {
+  const PlacedQuery placed = PlaceQuery(index, nodes, options, at);
+  panorama.node = RefOf(index, NodeAt(index, FindNearest(index, nodes, options, at)));
+  panorama.pose = placed.pose;
+  panorama.sigma = placed.sigma;
+  panorama.covariance = placed.covariance;
 }
 
 }  // namespace waystone

@@ -73,10 +73,10 @@ struct PlacedQuery {
 PlacedQuery PlaceQuery(const MapIndex& index, const std::vector<ComparedNode>& nodes,
                        const PanoramaQueryOptions& options, size_t at = 0);
 
-// The node nearest to the query, by index in the layer: among those that agree with the best one,
-// the one that differs least from the query.
-int FindNearest(const MapIndex& index, const std::vector<ComparedNode>& nodes,
-                const PanoramaQueryOptions& options);
+// Puts PlaceQuery into an answer, with the nearest node: of those that agree with nodes[at], the
+// one that differs least from the query.
+void TakePlace(const MapIndex& index, const std::vector<ComparedNode>& nodes,
+               const PanoramaQueryOptions& options, size_t at, PanoramaAnswer& panorama);
 
 // The evidence for nodes[at] as the place.
 AppearanceEvidence CollectEvidence(const MapIndex& index, const std::vector<ComparedNode>& nodes,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <vector>
 
@@ -51,27 +52,47 @@ GraphFilterOptions FilterFor(const MapIndex& index, const SeriesOptions& options
   return filter;
 }
 
-// The belief in the place of the likeliest node, and the place: the mean of the nodes there.
-void TakeBelief(const MapIndex& index, const FilterState& state, const SeriesOptions& options,
-                Answer& answer) {
+FilterState BeliefAround(const MapIndex& index, const FilterState& state, int node,
+                         const PanoramaQueryOptions& options) {
+  FilterState around;
+  std::ranges::copy_if(state, std::back_inserter(around), [&](const Belief& belief) {
+    return !AreElsewhere(index, node, belief.node, options);
+  });
+  return around;
+}
+
+// The place by the belief alone: the mean of these nodes, and the node nearest to it.
+void TakeMean(const MapIndex& index, const FilterState& around, double sigma,
+              PanoramaAnswer& panorama) {
   const AppearanceLayer& layer = *index.map().appearance;
-  const Belief& best = state.front();
-  double here = 0;
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const Belief& belief : state) {
-    if (AreElsewhere(index, best.node, belief.node, options.query)) continue;
+  const auto position = [&](const Belief& belief) {
     const Pose2& pose = layer.nodes[belief.node].pose;
-    here += belief.probability;
-    sum += belief.probability * Eigen::Vector2d(pose.x, pose.y);
+    return Eigen::Vector2d(pose.x, pose.y);
+  };
+  double sum = 0;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Belief& belief : around) {
+    sum += belief.probability;
+    mean += belief.probability * position(belief);
   }
-  answer.probability = std::min(here, 1.0);
-  answer.decided_by = DecidedBy::kSeries;
-  const Eigen::Vector2d at = sum / here;
-  answer.panorama->pose = {at.x(), at.y(), best.heading_rad};
-  const double sigma = options.position_spacings * index.appearance().spacing();
-  answer.panorama->sigma = sigma;
-  answer.panorama->covariance = sigma * sigma * Eigen::Matrix2d::Identity();
-  answer.panorama->node = RefOf(index, layer.nodes[best.node]);
+  mean /= sum;
+  const Belief& nearest = *std::ranges::min_element(
+      around, {}, [&](const Belief& belief) { return (position(belief) - mean).norm(); });
+  panorama.node = RefOf(index, layer.nodes[nearest.node]);
+  panorama.pose = {mean.x(), mean.y(), 0};
+  panorama.sigma = sigma;
+  panorama.covariance = sigma * sigma * Eigen::Matrix2d::Identity();
+}
+
+// The verdict of the belief, with the heading at its likeliest node or at `seen`.
+void Decide(const FilterState& around, std::optional<int> seen, const SeriesOptions& options,
+            Answer& answer) {
+  answer.probability = 0;
+  for (const Belief& belief : around) answer.probability += belief.probability;
+  answer.probability = std::min(answer.probability, 1.0);
+  const auto of_seen = std::ranges::find(around, seen.value_or(-1), &Belief::node);
+  const Belief& best = of_seen == around.end() ? around.front() : *of_seen;
+  answer.panorama->pose.theta_rad = best.heading_rad;
   const bool sure = answer.probability >= options.query.min_probability;
   answer.verdict = sure ? Verdict::kLocalized : Verdict::kAmbiguous;
   answer.heading.reset();
@@ -79,6 +100,29 @@ void TakeBelief(const MapIndex& index, const FilterState& state, const SeriesOpt
   if (!sure) return;
   answer.heading = Heading{best.heading_rad, best.sigma_rad, HeadingFrame::kLayer};
   answer.message.clear();
+}
+
+// The belief decides among places. Within one it is coarse: max_log_odds makes the nodes that see
+// the image equally likely. So the position and the nearest node there are the image's (PlaceQuery)
+// unless it doesn't support the place by itself.
+void TakeBelief(const MapIndex& index, const std::vector<ComparedNode>& compared, bool verified,
+                const FilterState& state, const SeriesOptions& options, Answer& answer) {
+  const int likeliest = state.front().node;
+  const auto seen = std::ranges::find_if(compared, [&](const ComparedNode& node) {
+    return !AreElsewhere(index, likeliest, node.node, options.query);
+  });
+  const size_t at = seen - compared.begin();
+  const AppearanceVerdict model = VerdictFor(*index.map().appearance, verified);
+  if (seen != compared.end() &&
+      AloneProbability(index, compared, at, verified, model, options) >= options.min_alone) {
+    TakePlace(index, compared, options.query, at, *answer.panorama);
+    Decide(BeliefAround(index, state, seen->node, options.query), seen->node, options, answer);
+    return;
+  }
+  const FilterState around = BeliefAround(index, state, likeliest, options.query);
+  TakeMean(index, around, options.position_spacings * index.appearance().spacing(),
+           *answer.panorama);
+  Decide(around, std::nullopt, options, answer);
 }
 
 }  // namespace
@@ -148,7 +192,7 @@ Answer ContinueSeries(const MapIndex& index, const PanoramaQuery& query,
   SeriesContext moved = context;
   moved.odometry = MotionOf(index, query, context, options);
   answer.belief = BeliefAfter(index, compared, verified, moved, options);
-  TakeBelief(index, answer.belief, options, answer);
+  TakeBelief(index, compared, verified, answer.belief, options, answer);
   return answer;
 }
 

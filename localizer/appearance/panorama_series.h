@@ -59,7 +59,9 @@ FilterState BeliefAfter(const MapIndex& index, const std::vector<ComparedNode>& 
                         bool verified, const SeriesContext& context, const SeriesOptions& options);
 
 // The next panorama of a series: what it looks like (CompareQuery) and where the robot was before
-// (UpdateBelief), so that similar places are distinguished as it moves. The probability is the
+// (UpdateBelief), so that similar places are distinguished as it moves. The belief chooses the
+// place; the position and the nearest node within it are what the panorama shows (TakePlace), or
+// the belief's mean where the panorama doesn't support that place by itself. The probability is the
 // belief's around the answer, and the deciding gate kSeries; Answer::belief is the input for the
 // next one. A panorama that looks like no place of the map is answered "not in the map" and leaves
 // the belief as it was. Thread-safe, deterministic. Throws MapError(kBadOptions), and kBadRequest

@@ -18,8 +18,8 @@ export declare class Client {
   timeout_ms: number;
   retries: number;
   /**
-   * `server` is an address without path, or "" in a page that the server gave. `timeout_ms` may be
-   * Infinity, which waits for weeks.
+   * `server` is an address without path, or "" in a page that the server gave; the token is printable
+   * ASCII. Others are a "bad_request". `timeout_ms` may be Infinity, which waits for weeks.
    */
   constructor(server?: string, options?: { token?: string | null; timeout_ms?: number; retries?: number });
   /** One request, as all methods send it. An answer of another kind than `kind` is an error. */

@@ -26,6 +26,30 @@ function bodyOf(photo) {
   return [JSON.stringify(photo), "application/json"];
 }
 
+const wrong = (detail) => new WaystoneError("bad_request", 0, detail);
+
+// Without what would be sent elsewhere or refused by fetch, as if nobody were there. "" is the page's server.
+function addressOf(server) {
+  if (server === "" && globalThis.location) return "";
+  let url = null;
+  try {
+    url = new URL(server);
+  } catch {
+    // Told below.
+  }
+  const http = url !== null && ["http:", "https:"].includes(url.protocol);
+  if (!http || url.port === "0" || url.username || url.password) {
+    throw wrong(`the address '${server}' is no server; it looks like http://127.0.0.1:8080`);
+  }
+  return url.origin + url.pathname.replace(/\/+$/, "");
+}
+
+// A value in a path. Half a character, which can't be sent, becomes U+FFFD, as in a query.
+const segment = (value) => encodeURIComponent(String(value).replace(/\p{Surrogate}/gu, "\ufffd"));
+
+// Whether a path has a value "." or "..", which fetch would resolve: for a map, to all maps.
+const hasDots = (path) => /\/(\.|%2e){1,2}(\/|$)/i.test(path.split(/[?#]/)[0]);
+
 function queryOf(options) {
   const given = Object.entries(options).filter(([, value]) => value !== undefined && value !== null);
   return given.length ? "?" + new URLSearchParams(given.map(([name, value]) => [name, String(value)])) : "";
@@ -60,17 +84,31 @@ async function problemOf(response) {
 
 // Runs in browsers and in Node 18 and later, on fetch alone.
 export class Client {
+  #token = null;
+
   constructor(server = "", { token = null, timeout_ms = 30000, retries = 2 } = {}) {
-    this.server = server.replace(/\/+$/, "");
+    this.server = addressOf(String(server));
     this.token = token;
     this.timeout_ms = timeout_ms;
     this.retries = retries;
+  }
+
+  get token() {
+    return this.#token;
+  }
+
+  set token(token) {
+    if (token && !/^[ -~]*[!-~][ -~]*$/.test(token)) {
+      throw wrong("the token has characters that can't be sent; it must be printable ASCII");
+    }
+    this.#token = token;
   }
 
   // One request: JSON parsed, an image as a Blob, else text; another kind than `kind` ("json",
   // "image" or "text") is an error. A server that is busy is asked again after its Retry-After,
   // `retries` times at most and not beyond the timeout.
   async ask(verb, path, options = {}, photo = undefined, kind = null) {
+    if (hasDots(path)) throw new WaystoneError("not_found", 404, `no resource at ${path}`);
     const end = Date.now() + this.patience();
     for (let left = this.retries; ; --left) {
       const response = await this.send(verb, path + queryOf(options), photo, end - Date.now());
@@ -82,10 +120,17 @@ export class Client {
     }
   }
 
+  // One query with a photo. Every answer has a verdict.
+  async query(path, options, photo) {
+    const answer = await this.ask("POST", path, options, photo, "json");
+    if (typeof answer.verdict !== "string") throw new WaystoneError("bad_answer", 200, "the response has no verdict");
+    return answer;
+  }
+
   // The timeout as timers take it: Infinity waits for weeks.
   patience() {
     if (typeof this.timeout_ms !== "number" || Number.isNaN(this.timeout_ms)) {
-      throw new WaystoneError("bad_request", 0, `timeout_ms is ${this.timeout_ms}; expected a number of milliseconds`);
+      throw wrong(`timeout_ms is ${this.timeout_ms}; expected a number of milliseconds`);
     }
     return Math.min(this.timeout_ms, kLongestMs);
   }

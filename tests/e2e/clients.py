@@ -226,6 +226,15 @@ class LiveTest(Case):
         with self.fails("unreadable_photo", 0):
             self.client.localize(str(folder / "none.jpg"))
 
+    def test_names_that_no_map_has(self):
+        for name in ("..", ".", "\udcff", "\ud800", "%2e%2e"):
+            with self.fails("not_found", 404):
+                self.client.localize(INSIDE, map=name)
+        with self.fails("not_found", 404):
+            self.client.get("/v1/maps/\udcff")
+        with self.fails("bad_request", 400):
+            self.client.get("/v1/maps", cursor="\udcff")
+
     def test_a_body_over_the_limit_is_the_servers_problem(self):
         with self.fails("payload_too_large", 413):
             self.client.localize(bytes(21 << 20), map=NAME)
@@ -420,7 +429,7 @@ class ScriptedTest(Case):
         self.assertEqual(requests[0][1]["Authorization"], "Bearer " + TOKEN)
 
     def test_what_is_no_server(self):
-        for address in ("127.0.0.1:8080", "ftp://host", "http://", "http://host:port"):
+        for address in ("127.0.0.1:8080", "ftp://host", "http://", "http://host:port", "http://127.0.0.1:0"):
             with self.assertRaises(ValueError):
                 Client(address)
 
@@ -472,6 +481,31 @@ class ProgramTest(unittest.TestCase):
             code, out, err = run("--server", address, INSIDE)
         self.assertEqual((code, out, len(err.splitlines())), (3, "", 1))
         self.assertIn("bad_answer", err)
+
+    def test_names_are_printed_harmlessly(self):
+        acting = "\x1b[2J\x7f\x9b\u202e\u2066\u2028\r\nz\udcff"
+        shown = r"\u001b[2J\u007f\u009b\u202e\u2066\u2028\u000d\u000az\udcff"
+        place = {"layer": "planes", "id": 1, "name": acting, "image": acting, "sequence": "", "time_s": None,
+                 "position": None, "heading": None, "plan": {"name": acting, "x": 1, "y": 2}}  # fmt: skip
+        answer = {"verdict": "localized", "image": acting, "map": acting, "place": place, "planes": [],
+                  "timing_ms": {"total": 1}}  # fmt: skip
+        refusal = json.dumps({"code": acting, "detail": acting}).encode()
+        responses = [(200, {}, json.dumps(answer).encode())] * 2 + [(400, {}, refusal)]
+        with scripted(*responses) as (address, _):
+            asked = ("--server", address, INSIDE)
+            said = [run(*asked), run(*asked, "--json"), run(*asked)]
+        said += [run("--server", url, "--map", acting, INSIDE), run("--server", url, "none\x1b\u202e\n.jpg"),
+                 run("--token-file", "none\x1b\u202e\n", INSIDE)]  # fmt: skip
+        self.assertEqual([code for code, _, _ in said], [0, 0, 3, 3, 3, 2])
+        for _, out, err in said:
+            self.assertEqual((out + err).count("\n"), 1)
+            self.assertTrue((out + err)[:-1].isprintable(), out + err)
+        self.assertEqual(said[0][1].count(shown), 5)
+        self.assertEqual(json.loads(said[1][1]), answer)
+        self.assertEqual(said[2][2].count(shown), 2)
+        code, _, err = run("--\x1b\u202e", INSIDE)
+        self.assertEqual(code, 2)
+        self.assertTrue(err.splitlines()[-1].isprintable(), err)
 
     def test_help_has_an_example(self):
         code, out, _ = run("--help")
@@ -570,6 +604,37 @@ console.log(JSON.stringify(said));
 """
 
 
+JS_NAMES_SCRIPT = """
+import { Client, WaystoneError } from "./waystone.js";
+const [url] = process.argv.slice(2);
+const client = new Client(url);
+const codeOf = (e) => {
+  if (!(e instanceof WaystoneError)) throw e;
+  return e.code;
+};
+const photo = new Uint8Array([1]);
+const paths = ["..", ".", "\\ud800"].flatMap((name) => [
+  () => client.localize(name, photo), () => client.getMap(name), () => client.getPlane("lab", name),
+  () => client.getKeyframeImage(name, 1), () => client.rows("listKeyframes", name).next(),
+  () => client.ask("GET", `/v1/maps/${name.replace(/[.]/g, "%2e")}/graph`),
+]);
+const configurations = [["foo"], ["127.0.0.1:8080"], ["ftp://host"], ["http://host:port"], ["http://127.0.0.1:0"],
+  ["http://me:secret@host"], [""], [url, { token: "a\\nb" }], [url, { token: "\u65e5\u672c" }], [url, { token: " " }]];
+const said = { paths: [], configurations: [], answers: [] };
+for (const ask of paths) said.paths.push(await ask().then(() => "answered", codeOf));
+for (const given of configurations) {
+  try {
+    new Client(...given);
+    said.configurations.push("taken");
+  } catch (e) {
+    said.configurations.push(codeOf(e));
+  }
+}
+for (let i = 0; i < 3; ++i) said.answers.push(await client.localizeAcross(photo).then((answer) => answer.verdict, codeOf));
+console.log(JSON.stringify(said));
+"""
+
+
 def copy_js_client():
     for name in ("waystone.js", "package.json"):
         shutil.copy(JS / name, folder)
@@ -596,6 +661,22 @@ class JsTest(unittest.TestCase):
                 self.assertEqual(len(requests), 3)
         with scripted(*[(200, ours, b"{}")] * 3) as (address, _):
             self.assertEqual(self.ask(address), [{}, {}, ["bad_answer", 200]])
+
+    def test_paths_addresses_and_tokens_that_cannot_be(self):
+        (folder / "names.mjs").write_text(JS_NAMES_SCRIPT)
+        copy_js_client()
+        ours = {"Content-Type": "application/json"}
+        unknown = (404, ours, problem("not_found", 404))
+        answers = [(200, ours, body) for body in (b"{}", b'{"verdict": 1}', FINE[2])]
+        with scripted(*[unknown] * 6, *answers) as (address, requests):
+            done = subprocess.run(["node", "names.mjs", address], cwd=folder, capture_output=True, text=True,
+                                  timeout=PATIENCE_S)  # fmt: skip
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        said = json.loads(done.stdout)
+        self.assertEqual(said["paths"], ["not_found"] * 18)
+        self.assertEqual(said["configurations"], ["bad_request"] * 10)
+        self.assertEqual(said["answers"], ["bad_answer", "bad_answer", "undecided"])
+        self.assertTrue(all("%EF%BF%BD" in path for path, _, _ in requests[:6]), "dots are never sent")
 
     def test_a_stalled_problem_ends_with_the_timeout(self):
         stalled = (500, {"Content-Length": "600"}, [b" "] * 600)

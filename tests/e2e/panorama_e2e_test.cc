@@ -2,6 +2,7 @@
 // The commands on panoramas as a user runs them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -203,6 +204,24 @@ std::vector<Json> SeriesOnTheCommandLine(const fs::path& map, const std::vector<
   std::vector<Json> answers;
   for (std::string line; std::getline(lines, line);) answers.push_back(Json::parse(line));
   return answers;
+}
+
+// In either direction of travel, from the first image on.
+TEST_F(PanoramaMap, ASeriesOfMappedPanoramasNamesThem) {
+  ASSERT_EQ(build_.code, 0) << build_.err;
+  std::vector<fs::path> images;
+  for (int i = 2; i < 8; ++i) images.push_back(home_ / "walk" / (std::to_string(i) + ".png"));
+  for (int direction = 0; direction < 2; ++direction) {
+    const std::vector<Json> answers = SeriesOnTheCommandLine(home_ / "hall.db", images);
+    ASSERT_EQ(answers.size(), images.size());
+    for (size_t i = 0; i < images.size(); ++i) {
+      EXPECT_EQ(answers[i]["decided_by"], "series");
+      EXPECT_EQ(answers[i]["verdict"], "localized") << answers[i];
+      EXPECT_EQ(answers[i]["place"]["image"], images[i].filename().string()) << answers[i];
+      EXPECT_EQ(answers[i]["place"]["id"], answers[i]["panorama"]["node"]["id"]);
+    }
+    std::ranges::reverse(images);
+  }
 }
 
 TEST_F(PanoramaMap, TheCommandLineAndTheServerAnswerASeriesAlike) {

@@ -387,6 +387,85 @@ async function testNoMap() {
   await close();
 }
 
+// Addresses of what the map or the page hasn't got: nothing else is shown in its place.
+async function testNothingThere() {
+  const { page, complaints, close } = await open({});
+  for (const [address, name] of [["nosuch", "nosuch"], ["keyframes/x", "keyframes/x"]]) {
+    await page.goto(`${url}/#/room/${address}`);
+    await page.getByRole("heading", { level: 1, name: "No such view" }).waitFor();
+    await page.getByRole("alert").getByText(`no view “${name}”`).waitFor();
+    assert.equal(await page.locator("nav a[aria-current]").count(), 0);
+  }
+  await checkAccess(page, "no such view");
+  await page.getByRole("navigation").getByRole("link", { name: "Localize" }).click();
+  await page.getByRole("heading", { name: "Where was this photo taken?" }).waitFor();
+  await go(page, "orientation/999999", "Turns and corridors", "turns");
+  await page.getByRole("alert").getByText("no frame 999999").waitFor();
+  assert.equal(await page.locator(".facts").count(), 0);
+  await checkAccess(page, "no such frame");
+  await page.getByRole("link", { name: "First frame" }).click();
+  await page.locator(".facts").waitFor();
+  const known = await overview();
+  await page.route("**/room/overview", (route) => route.fulfill(json({ ...known, layers: ["appearance"] })));
+  await page.route("**/room/appearance", (route) => route.fulfill(json({
+    scale: "metric", nodes: [{ id: 1, keyframe: null, x: 0, y: 0, heading_rad: 0 }], edges: [],
+  })));
+  await page.route("**/room/appearance/nodes/99", (route) => route.fulfill({ ...json({
+    code: "not_found", detail: "no node 99 in this map" }), status: 404 }));
+  await page.goto(`${url}/`);
+  await go(page, "layers/99", "Trajectory");
+  await page.getByRole("alert").getByText("no node 99").waitFor();
+  assert.equal(await page.locator(".trajectory circle.chosen").count(), 0);
+  assert.deepEqual(complaints.filter((said) => !/404/.test(said)), []);
+  await close();
+}
+
+// A photo that is refused: the answer of the one before goes.
+async function testRefusedPhoto() {
+  const { page, complaints, close } = await open({});
+  await page.goto(`${url}/`);
+  await ask(page, inside);
+  await page.route("**/localize?*", (route) => route.fulfill({ ...json({
+    code: "payload_too_large", detail: "the body is too large" }), status: 413 }));
+  await page.setInputFiles(".chooser input >> nth=0", elsewhere);
+  await page.getByRole("alert").getByText("the body is too large").waitFor();
+  assert.equal(await page.locator(".answer").count(), 0);
+  assert.deepEqual(complaints.filter((said) => !/413/.test(said)), []);
+  await close();
+}
+
+// A name without a space to break it at makes no view wider than its window.
+async function testLongName() {
+  const name = "x".repeat(240);
+  const { page, complaints, close } = await open({});
+  await page.route(/\/v1\/maps/, async (route) => {
+    const answer = await route.fetch({ url: route.request().url().replace(name, "room") });
+    if (!/json/.test(answer.headers()["content-type"])) return route.fulfill({ response: answer });
+    const value = await answer.json();
+    if (value.name) value.name = name;
+    if (value.maps) value.maps = [{ ...value.maps[0], name }];
+    return route.fulfill(json(value));
+  });
+  const views = [["ask", /Where/], ["why", /Why/], ["planes", /Plane graph/], ["keyframes", /Keyframes/],
+    ["keyframes/1", /Keyframe 1/], ["layers", /Trajectory/], ["coverage", /Coverage/], ["names", /Named/], ["nosuch", /No such/]];
+  for (const width of [320, 1200]) {
+    await page.setViewportSize({ width, height: 740 });
+    await page.goto(`${url}/`);
+    await page.locator(`select[title="${name}"]`).waitFor();
+    for (const [view, heading] of views) {
+      await go(page, view, heading, name);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+      assert.ok(wide <= width, `${view} is ${wide} px wide in ${width}`);
+    }
+  }
+  await page.setViewportSize({ width: 320, height: 740 });
+  await page.goto(`${url}/#/${"y".repeat(240)}/ask`);
+  await page.getByRole("heading", { name: "No such map" }).waitFor();
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= 320, "no such map");
+  assert.deepEqual(complaints.filter((said) => !/404/.test(said)), []);
+  await close();
+}
+
 // A view that can't be loaded says so, as does one that can't be drawn; the others can be chosen.
 async function testFailures() {
   const { page, complaints, close } = await open({});
@@ -554,6 +633,7 @@ async function testOtherLayers() {
   await page.getByLabel("Node", { exact: true }).fill("12");
   await page.keyboard.press("Enter");
   await page.locator(".trajectory circle:nth-of-type(13).chosen").waitFor({ state: "attached" });
+  assert.equal(await page.evaluate(() => location.hash), "#/room/layers/12");
   await shoot(page, "other_layers");
   await checkAccess(page, "the other layers");
   assert.deepEqual(complaints, []);
@@ -840,6 +920,8 @@ async function testTokens() {
     await page.getByLabel("Token").fill(text);
     await page.getByRole("button", { name: "Sign in" }).click();
   };
+  await enter("日本"); // can't be sent
+  await page.getByText("Invalid token").waitFor();
   await enter("another");
   await page.getByText("Invalid token").waitFor();
   await enter(token);
@@ -907,6 +989,9 @@ await run(async () => {
   await testLandmarks();
   await testNewVersion();
   await testNoMap();
+  await testNothingThere();
+  await testRefusedPhoto();
+  await testLongName();
   await testFailures();
   await testNoWebGl();
   await testSessions();

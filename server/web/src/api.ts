@@ -37,8 +37,8 @@ export const wantsToken = (error: unknown) =>
   error instanceof WaystoneError && error.code === "unauthorized";
 
 export function keepToken(token: string) {
+  client.token = token; // throws if it can't be one
   sessionStorage.setItem(kToken, token);
-  client.token = token;
 }
 
 const kMaxAnswers = 200;

@@ -89,7 +89,7 @@ function PanoramaNumbers({ map, answer }: { map: string; answer: Answer }) {
       rows={[
         ["Probability", probabilityText(answer.probability)],
         ["Nearest panorama", node
-          ? <><a href={href(map, "layers")}>{node.id}</a> <small>{node.source}</small></>
+          ? <><a href={href(map, "layers", node.id)}>{node.id}</a> <small>{node.source}</small></>
           : "–"],
         ["Position", position
           ? `${position.x.toFixed(1)}, ${position.y.toFixed(1)} ± ${position.deviation.toFixed(1)}${unit}`
@@ -290,6 +290,7 @@ export function AskView({ map, query, setQuery }: ViewProps) {
     };
     setBusy(true);
     setError(null);
+    setQuery(null); // the answer of another photo would look like this one's
     try {
       const orientation = await readOrientation(photo);
       const answer = uprightAnswer(await localize(map.name, photo), orientation);

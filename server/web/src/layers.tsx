@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // View: the trajectory, layer by layer: poses, revisits, and the poses of the appearance layer.
 import type { ComponentChildren } from "preact";
-import { useState } from "preact/hooks";
 import { type Appearance, type AppearanceNode, type FloorPlan, type FloorPlans, mapPath, type Overview } from "./api";
 import { colourOf } from "./colours";
 import type { ViewProps } from "./types";
@@ -156,15 +155,19 @@ function Node({ map, id }: { map: string; id: number }) {
 }
 
 // `planned` if floor plans are in the frame of this layer.
-function AppearanceLayer({ map, planned }: { map: string; planned: boolean }) {
+function AppearanceLayer({ map, planned, id }: { map: string; planned: boolean; id: number | null }) {
   const plans = useGet<FloorPlans>(planned ? `${mapPath(map)}/plan` : null);
   const under = usePlan(plans.value?.plans ?? []);
   const layer = useGet<Appearance>(`${mapPath(map)}/appearance`);
-  const [chosen, choose] = useState(0);
   if (layer.error) return <Failure error={layer.error} />;
   if (!layer.value) return <Waiting what="the appearance layer" />;
-  const count = layer.value.nodes.length;
-  if (count === 0) return <p class="missing">The layer has no panoramas.</p>;
+  const { nodes } = layer.value;
+  if (nodes.length === 0) return <p class="missing">The layer has no panoramas.</p>;
+  const shown = id ?? nodes[0].id;
+  const chosen = nodes.findIndex((n) => n.id === shown);
+  const choose = (to: number) => {
+    location.hash = href(map, "layers", nodes[to].id);
+  };
   const loops = layer.value.edges.filter((e) => e.kind === "loop").length;
   return (
     <>
@@ -176,11 +179,11 @@ function AppearanceLayer({ map, planned }: { map: string; planned: boolean }) {
       <Trajectory layer={layer.value} plan={under.plan} chosen={chosen} choose={choose} />
       <PlanChooser plans={plans.value?.plans ?? []} plan={under.plan} choose={under.choose} />
       <p class="steps">
-        <button disabled={chosen === 0} onClick={() => choose(chosen - 1)}>← Previous</button>{" "}
-        <button disabled={chosen + 1 >= count} onClick={() => choose(chosen + 1)}>Next →</button>
+        <button disabled={chosen <= 0} onClick={() => choose(chosen - 1)}>← Previous</button>{" "}
+        <button disabled={chosen + 1 >= nodes.length} onClick={() => choose(chosen + 1)}>Next →</button>
       </p>
-      <GoTo what="Node" numbers={layer.value.nodes.map((n) => n.id)} choose={choose} />
-      <Node map={map} id={layer.value.nodes[chosen].id} />
+      <GoTo what="Node" numbers={nodes.map((n) => n.id)} choose={choose} />
+      <Node map={map} id={shown} />
     </>
   );
 }
@@ -209,7 +212,7 @@ function Poses({ map, overview, query }: { map: string; overview: Overview; quer
   );
 }
 
-export function LayersView({ map, query }: ViewProps) {
+export function LayersView({ map, route, query }: ViewProps) {
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
   if (overview.error) return <Failure error={overview.error} />;
   if (!overview.value) return <Waiting what="the layers" />;
@@ -225,7 +228,7 @@ export function LayersView({ map, query }: ViewProps) {
         has={layers.includes("appearance")}
         missing="This map has no appearance layer. Build a map from panoramas or from a rig that covers the full circle to get one."
       >
-        <AppearanceLayer map={map.name} planned={!layers.includes("poses")} />
+        <AppearanceLayer map={map.name} planned={!layers.includes("poses")} id={route.id} />
       </Layer>
       <Layer
         name="Turns and corridors (orientation layer)"

@@ -46,6 +46,16 @@ function NoView({ route }: ViewProps) {
   );
 }
 
+// In place of a view that the address names and the page hasn't got.
+function UnknownView({ name }: { name: string }) {
+  return (
+    <>
+      <h1>No such view</h1>
+      <Failure error={`no view “${name}”`} />
+    </>
+  );
+}
+
 function useView(view: View): ComponentType<ViewProps> | null {
   const [loaded, setLoaded] = useState<{ view: View; show: ComponentType<ViewProps> }>({
     view: "ask",
@@ -75,7 +85,7 @@ function viewsOf(map: MapSummary, layers: string[], jobs: boolean): View[] {
   return (Object.keys(kTitles) as View[]).filter((view) => needs[view]);
 }
 
-function Header(props: { maps: MapSummary[]; map: MapSummary; view: View; refresh: () => void }) {
+function Header(props: { maps: MapSummary[]; map: MapSummary; view: View | null; refresh: () => void }) {
   const { maps, map, view } = props;
   const overview = useGet<Overview>(`${mapPath(map.name)}/overview`);
   const [jobs, setJobs] = useState(false);
@@ -83,7 +93,7 @@ function Header(props: { maps: MapSummary[]; map: MapSummary; view: View; refres
     hasJobs().then(setJobs, () => {}); // a server that ends has none
   }, []);
   const choose = (event: Event) => {
-    location.hash = href((event.target as HTMLSelectElement).value, view);
+    location.hash = href((event.target as HTMLSelectElement).value, view ?? "ask");
   };
   return (
     <header>
@@ -91,7 +101,7 @@ function Header(props: { maps: MapSummary[]; map: MapSummary; view: View; refres
       <div class="map">
         <label>
           <span>Map</span>
-          <select value={map.name} onChange={choose}>
+          <select value={map.name} title={map.name} onChange={choose}>
             {maps.map((m) => <option key={m.name}>{m.name}</option>)}
           </select>
         </label>
@@ -185,8 +195,12 @@ function App() {
     return () => document.removeEventListener("visibilitychange", seen);
   }, []);
   const useToken = (token: string) => {
-    keepToken(token);
-    load();
+    try {
+      keepToken(token);
+      load();
+    } catch {
+      setAsked("again");
+    }
   };
   const map = maps?.find((m) => route.map === null || m.name === route.map);
   const check = (version: string) => {
@@ -200,28 +214,30 @@ function App() {
     if (query) URL.revokeObjectURL(query.photo);
   }, [query]);
   useEffect(() => {
-    document.title = `${kTitles[route.view]} · ${map?.name ?? ""} · Waystone`;
-  }, [route.view, map]);
+    document.title = `${route.unknown === null ? kTitles[route.view] : "No such view"} · ${map?.name ?? ""} · Waystone`;
+  }, [route.view, route.unknown, map]);
   if (!maps && error) return <main><Failure error={error} /></main>;
   if (!maps && asked !== "no") return <TokenForm refused={asked === "again"} use={useToken} />;
   if (!maps) return <main><Waiting what="the maps" /></main>;
   if (!map) return <NoMap name={route.map} maps={maps} />;
   const Show = show;
   const own = query?.map === map.name ? query : null;
-  const keep = (answered: Query) => {
+  const keep = (answered: Query | null) => {
     setQuery(answered);
-    check(answered.answer.map_version);
+    if (answered) check(answered.answer.map_version);
   };
   const mapAndVersion = `${map.name} ${map.version}`;
   return (
     <>
       <a class="skip" href="#main" onClick={skip}>Skip to content</a>
-      <Header key={mapAndVersion} maps={maps} map={map} view={route.view} refresh={load} />
+      <Header key={mapAndVersion} maps={maps} map={map}
+        view={route.unknown === null ? route.view : null} refresh={load} />
       <main id="main" tabIndex={-1} key={mapAndVersion}>
         <Boundary key={route.view}>
-          {Show
+          {route.unknown !== null && <UnknownView name={route.unknown} />}
+          {route.unknown === null && (Show
             ? <Show map={map} route={route} query={own} setQuery={keep} />
-            : <Waiting what="the view" />}
+            : <Waiting what="the view" />)}
         </Boundary>
       </main>
       <Footer map={map} />

@@ -243,7 +243,15 @@ function Layer({ map, id }: { map: string; id: number | null }) {
   const { frames, nodes } = layer.value;
   if (frames.id.length === 0) return <p>The layer has no frames.</p>;
   const first = nodes[0]?.id ?? frames.id[0];
-  const row = Math.max(0, frames.id.indexOf(id ?? first));
+  const row = frames.id.indexOf(id ?? first);
+  if (row < 0) {
+    return (
+      <>
+        <Failure error={`no frame ${id ?? first} in this map`} />
+        <p><a href={href(map, "orientation", frames.id[0])}>First frame</a></p>
+      </>
+    );
+  }
   const stretch = sequences.find((s) => s.first <= row && row <= s.last)!;
   const choose = (to: number) => {
     location.hash = href(map, "orientation", frames.id[to]);

@@ -11,10 +11,11 @@ export interface Route {
   map: string | null;
   view: View;
   id: number | null;
+  unknown: string | null; // what follows the map, if it names no view
 }
 
 export function parseRoute(hash: string): Route {
-  const [map, view, id] = hash
+  const [map, view = "", id = ""] = hash
     .replace(/^#\/?/, "")
     .split("/")
     .map((part) => {
@@ -24,10 +25,13 @@ export function parseRoute(hash: string): Route {
         return "";
       }
     });
+  const found = kViews.find((known) => known === view);
+  const named = (found !== undefined || view === "") && /^\d*$/.test(id);
   return {
     map: map || null,
-    view: kViews.find((known) => known === view) ?? "ask",
-    id: id && /^\d+$/.test(id) ? Number(id) : null,
+    view: found ?? "ask",
+    id: named && id ? Number(id) : null,
+    unknown: named ? null : [view, id].filter(Boolean).join("/"),
   };
 }
 

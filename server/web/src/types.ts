@@ -16,7 +16,7 @@ export interface ViewProps {
   map: MapSummary;
   route: Route;
   query: Query | null;
-  setQuery: (query: Query) => void;
+  setQuery: (query: Query | null) => void;
 }
 
 // The frames of one sequence: rows first to last of the orientation layer's columns.

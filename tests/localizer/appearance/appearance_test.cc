@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
@@ -206,6 +207,27 @@ TEST(Appearance, ASeriesIsAtLeastAsSureAsItsImages) {
     last = answer.probability;
   }
   EXPECT_GT(last, 0.9);
+}
+
+// In either direction of travel, from the first image on; the way back with odometry too.
+TEST(Appearance, ASeriesOfTheNodesOwnPanoramasNamesThem) {
+  for (const bool features : {false, true}) {
+    const MapIndex& index = Grid(features);
+    std::vector<AppearanceNode> walk = index.map().appearance->nodes;
+    for (const bool back : {false, true}) {
+      SeriesContext context;
+      for (size_t i = 0; i < walk.size(); ++i) {
+        if (back && i > 0) context.odometry = Inverse(walk[i - 1].pose) * walk[i].pose;
+        const PanoramaQuery query = DescribeQuery(index, Panorama(Rooms(), walk[i].pose), {});
+        const Answer answer = ContinueSeries(index, query, context);
+        context = {answer.belief, std::nullopt, answer.described};
+        EXPECT_EQ(answer.verdict, Verdict::kLocalized) << answer.message;
+        EXPECT_EQ(answer.panorama->node.id, walk[i].id) << features << back;
+        EXPECT_LT(Apart(answer.panorama->pose, walk[i].pose), 0.1) << features << back;
+      }
+      std::ranges::reverse(walk);
+    }
+  }
 }
 
 // A building with two corridors that are alike, 20 m apart: the western room's panoramas stand for
