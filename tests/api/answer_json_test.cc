@@ -59,7 +59,9 @@ TEST(AnswerJson, HasTheFieldsThatTheReadmeShows) {
   const std::string fence = "```json\n";
   const size_t start = readme.find(fence + R"({"verdict":"localized")") + fence.size();
   const Json shown = Json::parse(readme.substr(start, readme.find("```", start) - start));
-  ExpectSameFields(shown, ToJson(Localized()), "");
+  Answer answer = Localized();
+  answer.planes.epipolar = EpipolarMatches{answer.planes.keyframe.value(), 212, 287, {}, {}};
+  ExpectSameFields(shown, ToJson(answer), "");
 }
 
 TEST(AnswerJson, LocalizedIsByteForByteTheSame) {
