@@ -130,8 +130,8 @@ void CheckTags(const std::vector<std::string>& tags) {
 
 std::vector<std::string> SortedTags(std::vector<std::string> tags) {
   std::ranges::sort(tags);
-  const auto repeated = std::ranges::unique(tags);
-  tags.erase(repeated.begin(), repeated.end());
+  // Not std::ranges::unique, whose subrange clang 14 doesn't read.
+  tags.erase(std::unique(tags.begin(), tags.end()), tags.end());
   return tags;
 }
 
