@@ -477,7 +477,7 @@ class ProgramTest(unittest.TestCase):
         self.assertEqual(run()[0], 2)
 
     def test_an_answer_without_its_fields_is_a_line_and_a_code(self):
-        with scripted(FINE) as (address, _):
+        with scripted((200, {}, b'{"verdict":"undecided"}')) as (address, _):
             code, out, err = run("--server", address, INSIDE)
         self.assertEqual((code, out, len(err.splitlines())), (3, "", 1))
         self.assertIn("bad_answer", err)
