@@ -152,7 +152,8 @@ RigSequence OpenRigSequence(const fs::path& path, const RigOptions& options) {
   if (!fs::is_regular_file(path, ignored)) {
     throw MapError(ErrorCode::kBadSource, Quoted(path) + " does not exist; check the path");
   }
-  const std::optional<Rig> given = CameraBeside(path.parent_path(), options);
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const std::optional<Rig> given = CameraBeside(folder, options);
   return FromImages(path, {{.source = path.filename().string(), .time_s = {}, .images = {path}}},
                     given, options);
 }

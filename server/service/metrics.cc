@@ -179,6 +179,7 @@ Metrics::Metrics() : impl_(std::make_unique<Impl>()) {
                                 Verdict::kBadImage, Verdict::kUndecided}) {
     impl_->verdicts.Add({{"verdict", NameOf(verdict)}});
   }
+  for (const char* result : {"swapped", "refused"}) impl_->reloads.Add({{"result", result}});
 }
 Metrics::~Metrics() = default;
 

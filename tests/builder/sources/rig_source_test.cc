@@ -316,6 +316,12 @@ TEST_F(RigSourceTest, OnePinholeIsARigOfOne) {
   EXPECT_EQ(sequence.rig.cameras.size(), 1u);
   EXPECT_EQ(OpenRigSequence(folder_ / "images").moments.size(), 1u);
   EXPECT_EQ(OpenRigSequence(folder_ / "images/a.png").moments.size(), 1u);
+  // An image that is named from its own folder.
+  const std::filesystem::path here = std::filesystem::current_path();
+  std::filesystem::copy(folder_ / "camera.yaml", folder_ / "images");
+  std::filesystem::current_path(folder_ / "images");
+  EXPECT_NO_THROW(EXPECT_EQ(OpenRigSequence("a.png").moments.size(), 1u));
+  std::filesystem::current_path(here);
 }
 
 TEST_F(RigSourceTest, WithoutCalibration) {

@@ -179,7 +179,8 @@ TEST_F(ApplicationTest, CountsWhatItDoes) {
   EXPECT_EQ(metrics.content_type, "text/plain; version=0.0.4");
   for (const char* line :
        {R"(waystone_localized_total{verdict="bad_image"} 1)", "waystone_maps 1",
-        R"(waystone_localized_total{verdict="localized"} 0)", "waystone_queries_waiting 0",
+        R"(waystone_localized_total{verdict="localized"} 0)",
+        R"(waystone_reloads_total{result="refused"} 0)", "waystone_queries_waiting 0",
         R"(method="GET",route="/v1/maps/{map}/planes/{id}",status="200"} 2)",
         R"(method="other",route="none",status="501"} 1)", "process_resident_memory_bytes"}) {
     EXPECT_NE(metrics.body.find(line), std::string::npos) << line << "\n" << metrics.body;
