@@ -55,17 +55,6 @@ std::vector<double> ReadKittiTimes(const fs::path& file) {
   return times;
 }
 
-// The file's name is the number of its line: a list may have the times of images that aren't there.
-double FindKittiTime(const fs::path& file, const std::vector<double>& times,
-                     const fs::path& image) {
-  const auto number = ToInteger(image.stem().string());
-  if (number && *number >= 0 && *number < std::ssize(times)) return times[*number];
-  throw MapError(ErrorCode::kBadSource,
-                 Quoted(file) + " has no time of " + Quoted(image) + ": it has " +
-                     std::to_string(times.size()) +
-                     " lines, the first for image 0; add the others or remove the file");
-}
-
 // The projection matrix `key` of a KITTI calib.txt: "P0: " and a 3x4 matrix, row by row.
 Camera ReadKittiCamera(const fs::path& file, const std::string& key) {
   constexpr size_t kEntries = 12;
@@ -125,13 +114,15 @@ std::optional<ImageList> RecogniseKitti(const fs::path& folder) {
   const bool described = Exists(folder / "times.txt") || Exists(calibration);
   if (camera == kCameras.end() || !described) return std::nullopt;
   const std::string images = "image_" + std::to_string(*camera);
-  const fs::path times_file = folder / "times.txt";
-  const bool timed = Exists(times_file);
-  const std::vector<double> times = ReadKittiTimes(times_file);
+  const std::vector<double> times = ReadKittiTimes(folder / "times.txt");
   ImageList list = ListFolder(folder / images);
   for (ListedImage& image : list.images) {
+    // The file's name is the number of its line.
+    const auto number = ToInteger(image.path.stem().string());
+    if (number && *number >= 0 && *number < static_cast<int64_t>(times.size())) {
+      image.time_s = times[*number];
+    }
     image.path = images / image.path;
-    if (timed) image.time_s = FindKittiTime(times_file, times, image.path);
   }
   list.kind = kKittiKind;
   list.title = "KITTI sequence";

@@ -34,10 +34,10 @@ void CheckAnswer(const Json& answer) {
     const Json::json_pointer pointer(path);
     return answer.contains(pointer) ? answer.at(pointer) : Json();
   };
-  const bool is_place = answer.contains("place") && at("/planes").is_array();
+  const bool has_place = answer.contains("place") && at("/planes").is_array();
   const bool whole = at("/image").is_string() && at("/verdict").is_string() &&
                      at("/timing_ms/total").is_number() &&
-                     (is_place || at("/verdict") != "localized");
+                     (has_place || at("/verdict") != "localized");
   if (whole) return;
   throw ClientError("bad_answer", 200, "the response is no answer of Waystone; check the address");
 }
